@@ -284,7 +284,6 @@ fn on_ray<'a>(
         Proof::Contact(_) => 2.0 * error,
         Proof::Stretch(_) => AROUND * error,
     };
-    let missed_closely = moved && residual <= MOST_UNSURE * allowed;
     if residual <= allowed {
         let spot = Spot { index: leaf.piece, piece, st, jet };
         return Ok(OnRay { spot, z, residual, allowed });
@@ -293,7 +292,8 @@ fn on_ray<'a>(
     let speed = jet.ds.length() * st.x + jet.dt.length() * st.y;
     let too_coarse = residual <= allowed + 4.0 * rounding::UNIT_ROUNDOFF * speed;
     let stretch = solution.proof.stretch();
-    let unexplained = stretch.is_some() || !moved || too_coarse || missed_closely;
+    let closely = moved && residual <= MOST_UNSURE * allowed;
+    let unexplained = stretch.is_some() || !moved || too_coarse || closely;
     let from = stretch.map_or(z, |[from, _]| from.min(z));
     Err(if unexplained { Dropped::from(from, ray) } else { Dropped::Surely })
 }

@@ -33,10 +33,11 @@
 //! The other kernels, in `wide`, are fast. They trace coherent batches ([`Coherence`]) in packets
 //! and search sixteen rays at a time in f32. For first hits of incoherent batches they search
 //! sixteen pairs of a ray and a leaf at a time, in large scenes for occlusion, too; for one ray,
-//! or else for the occlusion of incoherent batches, they test sixteen boxes at a time. Things that are small compared with the scene are
-//! searched in coordinates of their own (`regions`), since f32 would not resolve them otherwise.
-//! Each hit is finished in f64 on the true surface. What neither the certificate nor those proofs
-//! decide goes to the scalar search. The answer for a ray does not depend on its neighbours.
+//! or else for the occlusion of incoherent batches, they test sixteen boxes at a time. Things that
+//! are small compared with the scene are searched in coordinates of their own (`regions`), since
+//! f32 would not resolve them otherwise. Each hit is finished in f64 on the true surface. What
+//! neither the certificate nor those proofs decide goes to the scalar search. The answer for a ray
+//! does not depend on its neighbours.
 //!
 //! [`Tracer::all_hits`] is the scalar search of all leaves that a ray may meet.
 //! [`Tracer::exact_first_hit`] and [`Tracer::exact_all_hits`] use the exact solver alone; the

@@ -70,3 +70,66 @@ fn trace<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shots: &[Q], wanted
     tracer.findings.statistics.rays += shots.len() as u64;
     trace_stream(simd, &tracer.bvh.view(), shots, wanted, &mut tracer.stream);
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DAffine3, DVec2, DVec3};
+
+    use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
+    use crate::geometry::{Surface, TrimmedSurface, shapes};
+    use crate::intersect::wide::weighted_hills;
+    use crate::intersect::{Kernel, Query, SurfaceBvh};
+    use crate::math::{Ray, SplitMix};
+
+    /// A torus around hills, a sheet with a hole, and a sphere so small that it is searched in
+    /// coordinates of its own.
+    fn scene() -> SurfaceBvh {
+        let plane = shapes::plane(4.0, 4.0).unwrap();
+        let hole = TrimLoop::circle(DVec2::splat(0.5), 0.3).unwrap();
+        let trims = Trims::new(TrimDomain::of(&plane).unwrap(), Kept::Even, &[hole]).unwrap();
+        let raised = DAffine3::from_translation(1.5 * DVec3::Z);
+        let surfaces: [Surface; 4] = [
+            shapes::torus(1.5, 0.3).unwrap().into(),
+            weighted_hills().into(),
+            TrimmedSurface::new(plane, trims).unwrap().into(),
+            shapes::sphere(1e-6).unwrap().transformed(&raised).unwrap().into(),
+        ];
+        SurfaceBvh::build(&surfaces).unwrap()
+    }
+
+    #[test]
+    fn occlusion_is_the_same_in_streams_and_alone() {
+        let bvh = scene();
+        let mut random = SplitMix::new(7);
+        let mut between = |low: f64, high: f64| {
+            low + (high - low) * (random.word() >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let mut queries = Vec::new();
+        let mut tracer = bvh.tracer();
+        for k in 0..20_000 {
+            let mut point = |size: f64| DVec3::from_array([(); 3].map(|()| between(-size, size)));
+            // Half of the lines go to the speck; a third end on the way.
+            let target = if k % 2 == 0 { 2e-6 * point(1.0) + 1.5 * DVec3::Z } else { point(1.5) };
+            let from = point(4.0);
+            let end = if k % 3 == 0 { 0.9 } else { f64::INFINITY };
+            let query = Query::primary(Ray::with_range(from, target - from, 0.0, end).unwrap());
+            if let Some(hit) = tracer.first_hit(&query).hit {
+                queries.push(Query::leaving(Ray::new(hit.point, point(1.0)).unwrap(), &hit));
+            }
+            queries.push(query);
+        }
+        for kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            let mut tracer = bvh.tracer_with(*kernel);
+            let Some(level) = kernel.level() else { continue };
+            let (mut side_by_side, mut alone) = (Vec::new(), Vec::new());
+            tracer.occlusions_in_streams(level, &queries, &mut side_by_side);
+            tracer.single_anys(level, &queries, &mut alone);
+            let counted = alone.iter().filter(|one| one.occluded).count();
+            assert!(counted > 5000 && alone.len() - counted > 5000, "{counted}");
+            for ((query, a), b) in queries.iter().zip(&side_by_side).zip(&alone) {
+                let same = a.occluded == b.occluded && a.doubtful == b.doubtful;
+                assert!(same || a.doubtful || b.doubtful, "{kernel}: {query:?}: {a:?}, {b:?}");
+            }
+        }
+    }
+}

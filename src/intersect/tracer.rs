@@ -183,8 +183,8 @@ impl<'a> Tracer<'a> {
 
     /// Occlusion of many rays; `answers` is cleared and filled in the same order.
     ///
-    /// If the kernel supports it, coherent rays are traced in packets. Incoherent rays are traced one
-    /// by one or, in scenes too large for the processor's caches, side by side in streams.
+    /// If the kernel supports it, coherent rays are traced in packets. Incoherent rays are traced
+    /// one by one or, in scenes too large for the processor's caches, side by side in streams.
     pub fn occlusions<Q: Shot>(
         &mut self,
         shots: &[Q],

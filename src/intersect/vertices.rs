@@ -245,11 +245,15 @@ mod tests {
             NurbsSurface::new(knots(), knots(), net, None).unwrap()
         };
         let octahedron = SurfaceBvh::build(&(0..8).map(face).collect::<Vec<_>>()).unwrap();
+        let mut doubted = 0;
         for k in 0..20_000 {
             let far = 10f64.powf(-15.0 + 2.0 * (k % 50) as f64 / 50.0);
             let (aside, direction) = (far * spread(k), spread(7 * k + 3));
-            let _ = check_parity(&octahedron, 4.0 * DVec3::Z + aside, direction, "near a tip");
+            let place = 4.0 * DVec3::Z + aside;
+            doubted += u32::from(check_parity(&octahedron, place, direction, "near a tip"));
         }
+        // As often as not, only some of the faces are met there.
+        assert!(doubted < 10_000, "{doubted} of 20,000");
     }
 
     #[test]
@@ -273,7 +277,7 @@ mod tests {
         for direction in [DVec3::new(1.0, 1.0, -4.0), DVec3::new(-1.0, 1.0, -4.0)] {
             let (signs, doubtful) =
                 crossings(&tall, (2.0 * DVec3::Z - direction).into(), direction.into());
-            assert!(doubtful || signs.len() == 2, "{direction}: {signs:?}");
+            assert!(!doubtful && signs.len() == 2, "{direction}: {signs:?}");
         }
         let cone = {
             let side = shapes::cone(1.0, 1.0).unwrap();

@@ -33,8 +33,9 @@ const SCENE_BYTES: usize = 5 << 20;
 /// and takes 1.4 to 2.2 times the memory.
 const WORTHWHILE_IN_SCENE: f64 = 1.0 / 24.0;
 
-/// However many leaves a scene has, it may have this part of them in addition. What fills the
-/// picture may be a few large pieces among thousands of small ones.
+/// However many leaves a scene has, it may have this part of them in addition, where halving is worth
+/// half of [`WORTHWHILE_IN_SCENE`]: what fills the picture may be a few large pieces among thousands
+/// of small ones.
 const MORE: usize = 8;
 
 /// The memory of a leaf without its weight, including its share of the tree: its box in a block
@@ -59,11 +60,7 @@ pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
         parts.append(GroupedParts::of(pieces, &others, |piece, parts| {
             let first = fine.partition_point(|part| (part.piece as usize) < piece);
             let of_piece = |part: &&Part| part.piece as usize == piece;
-            let before = parts.len();
             parts.extend(fine[first..].iter().take_while(of_piece));
-            if parts.len() == before {
-                add_coarse(piece, pieces, parts);
-            }
         }));
     } else {
         parts.append(GroupedParts::single(fine));
@@ -77,51 +74,50 @@ fn pieces_of(grids: &[Grid]) -> usize {
 
 /// The coarsest parts of all pieces of some charts. Control points are needed only for a moment.
 pub(super) fn coarse(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
-    GroupedParts::of(pieces, grids, |piece, parts| add_coarse(piece, pieces, parts))
-}
-
-fn add_coarse(index: usize, pieces: &[Piece], parts: &mut Vec<Part>) {
-    let piece = &pieces[index];
-    PartNet::whole(piece).coarse_parts(piece, &mut |part_net| {
-        parts.push(part_net.part(index as u32, piece));
-    });
+    GroupedParts::of(pieces, grids, |k, parts| {
+        let piece = &pieces[k];
+        PartNet::whole(piece).coarse_parts(piece, &mut |part_net| {
+            parts.push(part_net.part(k as u32, piece));
+        });
+    })
 }
 
 /// The parts of the pieces of some charts, piece by piece; `bounds` hold what else is in the scene.
-/// In large scenes, the pieces of which no part is worth halving are left out.
 ///
 /// All parts are as flat as a leaf must be. Then the part for which halving is worth most is
 /// halved, again and again, as long as there is room. Halves that are not flat enough by themselves
 /// may take a little more.
 fn halved(pieces: &[Piece], grids: &[Grid], bounds: Aabb) -> Vec<Part> {
-    let flats = |k: usize| -> SmallVec<[Flat; 1]> {
-        let piece = &pieces[k];
-        let mut parts = SmallVec::new();
-        PartNet::whole(piece).coarse_parts(piece, &mut |part_net| {
-            parts.push(Flat::new(k as u32, piece, part_net));
-        });
-        parts
-    };
     let charts = || grids.par_iter().flat_map(|grid| grid.pieces());
-    let (coarse, room): (Vec<SmallVec<[Flat; 1]>>, Room);
-    let count = |coarse: &[SmallVec<[Flat; 1]>]| coarse.iter().map(SmallVec::len).sum::<usize>();
-    let others; // the number of parts that are left out
+    let flats = |k: usize| flats_of(k, &pieces[k]);
+    let all_in = |parts: &mut dyn Iterator<Item = Aabb>| parts.fold(bounds, Aabb::union);
+    // The parts that stay as they are, and those that may be halved.
+    let (mut leaves, mut open, room): (Vec<Part>, BinaryHeap<Flat>, Room);
     if pieces_of(grids) <= MOST_OF_SCENE {
-        coarse = charts().map(flats).collect();
-        let all = coarse.iter().flatten().map(|flat| flat.part_net.bounds());
-        room = Room::new(count(&coarse), all.fold(bounds, Aabb::union));
-        others = 0;
+        let coarse: Vec<Flats> = charts().map(flats).collect();
+        leaves = Vec::new();
+        open = coarse.into_iter().flatten().collect();
+        room = Room::new(open.len(), all_in(&mut open.iter().map(|flat| flat.part_net.bounds())));
     } else {
         // The control points of all parts at once would take too much memory.
-        let parts = self::coarse(pieces, grids);
-        room = Room::new(parts.all().len(), bounds.union(parts.bounds()));
-        coarse = charts().map(flats).filter(|flats| room.may_be_for(flats)).collect();
-        others = parts.all().len() - count(&coarse);
+        let coarse: Vec<(usize, f64, SmallVec<[Part; 1]>)> = charts()
+            .map(|k| {
+                let flats = flats(k);
+                let worth = flats.iter().map(Flat::worth).fold(0.0, f64::max);
+                (k, worth, flats.iter().map(|flat| flat.part(pieces)).collect())
+            })
+            .collect();
+        let parts = || coarse.iter().flat_map(|(_, _, parts)| parts);
+        room = Room::new(parts().count(), all_in(&mut parts().map(|part| part.bounds)));
+        let (bent, others): (Vec<_>, Vec<_>) =
+            coarse.into_iter().partition(|(_, worth, _)| room.may_be_for(*worth));
+        leaves = others.into_iter().flat_map(|(_, _, parts)| parts).collect();
+        let bent: Vec<Flats> = bent.into_par_iter().map(|(k, _, _)| flats(k)).collect();
+        open = bent.into_iter().flatten().collect();
     }
 
-    let mut open: BinaryHeap<Flat> = coarse.into_iter().flatten().collect();
     while let Some(way) = open.peek().and_then(|flat| flat.way) {
-        if !room.is_for(way, others + open.len()) {
+        if !room.is_for(way.worth, leaves.len() + open.len()) {
             break;
         }
         let Some(flat) = open.pop() else { break };
@@ -130,44 +126,60 @@ fn halved(pieces: &[Piece], grids: &[Grid], bounds: Aabb) -> Vec<Part> {
             open.push(Flat::new(flat.piece, piece, part_net));
         });
     }
-    let mut leaves = open.into_vec();
-    leaves.par_sort_unstable_by_key(Flat::place);
-    let part = |flat: &Flat| flat.part_net.part(flat.piece, &pieces[flat.piece as usize]);
-    leaves.par_iter().map(part).collect()
+    leaves.par_extend(open.into_vec().into_par_iter().map(|flat| flat.part(pieces)));
+    leaves.par_sort_unstable_by_key(|part| (part.piece, part.rect));
+    leaves
 }
 
-/// How many leaves there may be.
+/// How many leaves there may be besides those of dense charts.
 struct Room {
     /// If halving is worth anything.
     worthwhile: usize,
-    /// If halving is worth this much.
+    /// If it is worth half of `worth_in_scene`.
+    more: usize,
+    /// If it is worth more than that.
     in_scene: usize,
     worth_in_scene: f64,
 }
 
 impl Room {
-    /// For a scene of this many coarsest parts, besides those of dense charts, and this size.
+    /// For a scene of this many coarsest parts and this size.
     fn new(coarse: usize, bounds: Aabb) -> Self {
         let more = coarse / MORE;
         Self {
-            worthwhile: (coarse + coarse / 2).clamp(WORTHWHILE, MOST).max(coarse + more),
+            worthwhile: (coarse + coarse / 2).clamp(WORTHWHILE, MOST),
+            more: coarse + more,
             in_scene: MOST_OF_SCENE.max(coarse + more.max(MOST_OF_SCENE / 2)),
             worth_in_scene: WORTHWHILE_IN_SCENE * bounds.size().length().sqrt(),
         }
     }
 
-    /// Whether a part may be halved when there are this many.
-    fn is_for(&self, way: Cut, count: usize) -> bool {
-        count < self.worthwhile || way.worth > self.worth_in_scene && count < self.in_scene
+    /// Whether a part may be halved that is worth this much, when there are this many leaves.
+    fn is_for(&self, worth: f64, count: usize) -> bool {
+        let most = match worth {
+            _ if worth > self.worth_in_scene => self.in_scene,
+            _ if self.may_be_for(worth) => self.more,
+            _ => 0,
+        };
+        count < most.max(self.worthwhile)
     }
 
-    /// Whether halving one of these parts is worth so much that it may be their turn in a large
-    /// scene.
-    fn may_be_for(&self, flats: &[Flat]) -> bool {
-        let worth = |flat: &Flat| flat.way.map_or(0.0, |way| way.worth);
-        flats.iter().any(|flat| worth(flat) > 0.5 * self.worth_in_scene)
+    /// Whether it may be the turn of such a part in a large scene.
+    fn may_be_for(&self, worth: f64) -> bool {
+        worth > 0.5 * self.worth_in_scene
     }
 }
+
+/// The coarsest parts of a piece.
+fn flats_of(index: usize, piece: &Piece) -> Flats {
+    let mut flats = Flats::new();
+    PartNet::whole(piece).coarse_parts(piece, &mut |part_net| {
+        flats.push(Flat::new(index as u32, piece, part_net));
+    });
+    flats
+}
+
+type Flats = SmallVec<[Flat; 1]>;
 
 /// A part that becomes a leaf unless there is room for its halves.
 struct Flat {
@@ -185,6 +197,15 @@ impl Flat {
 
     fn place(&self) -> (u32, DyadicRect) {
         (self.piece, self.part_net.rect())
+    }
+
+    /// What halving is worth.
+    fn worth(&self) -> f64 {
+        self.way.map_or(0.0, |way| way.worth)
+    }
+
+    fn part(&self, pieces: &[Piece]) -> Part {
+        self.part_net.part(self.piece, &pieces[self.piece as usize])
     }
 }
 

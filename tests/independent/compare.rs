@@ -90,7 +90,7 @@ pub(crate) fn compare(model: &Model, bvh: &SurfaceBvh, rays: &[Ray], report: &Re
         }
         for hit in &theirs {
             match their_hit(model, &judge, ray, (hit, &ours)) {
-                // All hits come from the exact solver, the first one from the fast path.
+                // All hits come from the scalar search, the first one from the fast path.
                 Verdict::Shared(t) => {
                     let late = first.hit.is_none_or(|first| late(&judge, ray, &first, t));
                     if late && !first.doubtful {

@@ -1,16 +1,12 @@
 //! What trims keep in the directions around a point.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::TAU;
 
 use glam::DVec2;
 
 use super::curve::euclidean;
 use super::segment::Segment;
 use super::{Kept, Trims, UvBox};
-use crate::geometry::Direction;
-
-/// Angles that differ by no more than this are equal to within rounding.
-const LEAST_ANGLE: f64 = 1e-13;
 
 /// The sectors into which trim curves cut the directions around a point.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,27 +25,6 @@ impl Sectors {
         &self.edges
     }
 
-    /// Whether directions are kept that do not lead beyond the sides marked: of smaller u, of
-    /// larger u, of smaller v, of larger v. A cusp between two curves counts, though it has no
-    /// width.
-    fn keeps_some(&self, [u0, u1, v0, v1]: [bool; 4]) -> bool {
-        let Some(&start) = self.edges.first() else { return self.first };
-        let next = self.edges.iter().copied().skip(1).chain([start + TAU]);
-        let sectors = self.edges.iter().copied().zip(next).enumerate();
-        let mut kept = sectors.filter(|(index, _)| self.first != index.is_multiple_of(2));
-        kept.any(|(_, (from, to))| {
-            // Two turns of quadrants: a sector may go on beyond the first turn.
-            (0..8).any(|quadrant| {
-                let [falls_u, falls_v] = [(1..3).contains(&(quadrant % 4)), quadrant % 4 > 1];
-                let beyond = [u0 && falls_u, u1 && !falls_u, v0 && falls_v, v1 && !falls_v];
-                let start = f64::from(quadrant) * FRAC_PI_2;
-                let common = to.min(start + FRAC_PI_2) - from.max(start);
-                let cusp = to - from <= LEAST_ANGLE && common >= 0.0;
-                !beyond.contains(&true) && (common > LEAST_ANGLE || cusp)
-            })
-        })
-    }
-
     /// Whether the direction at an angle, which must not be that of an edge, leads into the kept
     /// part.
     pub(crate) fn keeps(&self, angle: f64) -> bool {
@@ -59,25 +34,11 @@ impl Sectors {
 }
 
 impl Trims {
-    /// Whether nothing is kept around a point known only to within `reach`, though trim curves pass
-    /// through it: it lies on a side that two holes share, or on the side of a hole along the
-    /// domain's border. `false` where this is not known.
-    pub(super) fn is_bare(&self, uv: DVec2, reach: DVec2) -> bool {
-        let UvBox { min, max } = self.domain().bounds();
-        let [low, high] = [(uv - min).cmple(reach), (max - uv).cmple(reach)];
-        let [[u0, u1], [v0, v1]] = [Direction::U, Direction::V].map(|direction| {
-            let axis = direction as usize;
-            let ends = !self.domain().is_periodic(direction);
-            [ends && low.test(axis), ends && high.test(axis)]
-        });
-        self.around(uv, reach).is_some_and(|sectors| !sectors.keeps_some([u0, u1, v0, v1]))
-    }
-
     /// The sectors that are kept around a point known only to within `reach`: curves within `reach`
     /// count as passing through the point.
     ///
     /// Returns `None` where this does not determine the sectors: both ends of a curve lie within
-    /// `reach`, or different ends of several curves do.
+    /// `reach`, or different ends of several curves do, or several curves pass side by side.
     ///
     /// The direction of a curve is that of its tangent; at its end, the direction to the first
     /// control point away from it.
@@ -92,8 +53,10 @@ impl Trims {
             false
         });
 
-        // Curves that end near the point must all end at the same vertex.
+        // Curves that end near the point must all end at the same vertex, others pass it at the same
+        // foot.
         let mut vertex = None;
+        let mut foot: Option<(DVec2, DVec2)> = None;
         let mut edges = Vec::new();
         for &index in &met {
             let segment = &self.segments[index];
@@ -101,9 +64,14 @@ impl Trims {
             match segment.ends().map(|end| near.holds(end)) {
                 [true, true] => return None,
                 [false, false] => {
-                    let along = segment.direction_near(uv);
-                    edges.push((angle(along, segment.rises()), index));
-                    edges.push((angle(-along, false), index));
+                    let t = segment.level_with(uv);
+                    let (along, here, rounding) =
+                        (segment.tangent(t), segment.at(t), segment.reach());
+                    let (there, other) = *foot.get_or_insert((here, rounding));
+                    if (here - there).abs().cmpgt(rounding + other).any() {
+                        return None;
+                    }
+                    edges.extend([angle(along, segment.rises()), angle(-along, false)]);
                 }
                 [at_start, _] => {
                     let end = usize::from(!at_start);
@@ -111,17 +79,16 @@ impl Trims {
                     if *vertex.get_or_insert(place) != place {
                         return None;
                     }
-                    let rises = end == 0 && segment.rises();
-                    edges.push((angle(segment.direction_from(end), rises), index));
+                    edges.push(angle(segment.direction_from(end), end == 0 && segment.rises()));
                 }
             }
         }
-        let edges = self.without_pairs(edges);
+        edges.sort_by(f64::total_cmp);
 
         // The half-open rule counts the crossings of a ray towards larger `u` that starts just
         // above the point. If it starts in the sector just after the angle 0, it crosses none of
-        // the curves through the point.
-        let point = vertex.unwrap_or(uv);
+        // the curves through the point. The point itself may lie on either side of them.
+        let point = vertex.or(foot.map(|(foot, _)| foot)).unwrap_or(uv);
         let crossings = self.tree.crossings(point, &target, |index| {
             if met.contains(&index) {
                 0
@@ -131,28 +98,6 @@ impl Trims {
         });
         let odd = crossings % 2 != 0;
         Some(Sectors { edges, first: odd == (self.kept == Kept::Odd) })
-    }
-
-    /// The angles at which segments leave a point, in order, without pairs of segments that run
-    /// along each other: between these there is nothing. (Between two curves that touch there may
-    /// be a cusp.)
-    fn without_pairs(&self, mut edges: Vec<(f64, usize)>) -> Vec<f64> {
-        edges.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let coincide = |a: &(f64, usize), b: &(f64, usize)| {
-            let [one, other] = [a, b].map(|edge| &self.segments[edge.1]);
-            let lines = one.is_straight() && other.is_straight();
-            b.0 - a.0 <= LEAST_ANGLE && (lines || one.is_same_curve(other))
-        };
-        let mut left: Vec<(f64, usize)> = Vec::new();
-        for edge in edges {
-            match left.last() {
-                Some(last) if coincide(last, &edge) => {
-                    left.pop();
-                }
-                _ => left.push(edge),
-            }
-        }
-        left.into_iter().map(|(angle, _)| angle).collect()
     }
 }
 
@@ -181,22 +126,22 @@ impl Segment {
         first.map_or(self.ends()[1 - end] - from, |point| *point - from)
     }
 
-    /// The tangent direction where the segment is level with a point, in the coordinate in which
-    /// the segment is longer.
-    fn direction_near(&self, uv: DVec2) -> DVec2 {
+    /// The parameter at which the segment is level with a point, in the coordinate in which the
+    /// segment is longer.
+    fn level_with(&self, uv: DVec2) -> f64 {
         let [from, to] = self.ends();
         let size = (to - from).abs();
         let axis = usize::from(size.y > size.x);
-        self.tangent(self.reaching(axis, uv[axis]))
+        self.reaching(axis, uv[axis])
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::PI;
+    use std::f64::consts::{FRAC_PI_2, PI};
 
     use super::*;
-    use crate::geometry::trim::{TrimCurve, TrimDomain, TrimLoop};
+    use crate::geometry::trim::{TrimDomain, TrimLoop};
 
     fn trims(kept: Kept, loops: &[TrimLoop]) -> Trims {
         Trims::new(TrimDomain::new([-4.0, 4.0], [-4.0, 4.0]).unwrap(), kept, loops).unwrap()
@@ -249,45 +194,18 @@ mod tests {
     }
 
     #[test]
-    fn a_side_between_what_is_cut_off_is_no_edge() {
-        use super::super::Side;
-        let edge = |side| matches!(side, Side::Edge { .. });
-        // Two holes with a common side, which one of them has only a part of.
-        let left = corners(&[(-1.0, -1.0), (0.0, -1.0), (0.0, 1.0), (-1.0, 1.0)]);
-        let right = corners(&[(0.0, -0.5), (1.0, -0.5), (1.0, 0.5), (0.0, 0.5)]);
-        // A common side that is not along an axis, and one that is a curve.
-        let slanted = corners(&[(-3.0, 0.0), (-2.0, 1.0), (-3.0, 1.0)]);
-        let below = corners(&[(-3.0, 0.0), (-2.0, 0.0), (-2.0, 1.0)]);
-        let arc = || TrimCurve::arc(DVec2::new(3.0, 0.0), 0.5, 0.0, PI).unwrap();
-        let closed = |v: f64| {
-            let back = [(2.5, 0.0), (2.5, v), (3.5, v), (3.5, 0.0)].map(DVec2::from);
-            TrimLoop::new(&[arc(), TrimCurve::polyline(&back).unwrap()]).unwrap()
-        };
-        let loops = [left, right, slanted, below, closed(1.0), closed(-1.0)];
-        let holes = trims(Kept::Even, &loops);
-        let on_arc = DVec2::new(3.0, 0.0) + 0.5 * DVec2::from_angle(1.0);
-        for at in [DVec2::ZERO, DVec2::new(0.0, 0.3), DVec2::new(-2.3, 0.7), on_arc] {
-            assert_eq!(holes.contains_within(at, REACH), Side::Outside, "{at}");
-            assert!(edge(trims(Kept::Even, &loops[..1]).contains(DVec2::ZERO)));
+    fn beside_an_edge_the_sectors_are_those_of_the_edge() {
+        let square = corners(&[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]);
+        let trims = trims(Kept::Odd, &[square]);
+        for out in [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y] {
+            for beside in [-6e-15, 0.0, 6e-15] {
+                let at = (1.0 + beside) * out + 0.3 * out.perp();
+                let sectors = trims.around(at, REACH).unwrap();
+                let towards = |direction: DVec2| (direction.to_angle() + TAU) % TAU;
+                let [outwards, inwards] = [out, -out].map(|way| sectors.keeps(towards(way) + 0.1));
+                assert!(inwards && !outwards, "{beside:e} beyond {out}: {sectors:?}");
+            }
         }
-        for at in [(0.0, 0.7), (0.0, 0.5), (0.0, 1.0), (1.0, 0.2), (-2.0, 1.0), (3.5, 0.0)] {
-            assert!(edge(holes.contains_within(at.into(), REACH)), "{at:?}");
-        }
-
-        // Along the border, between the hole and nothing.
-        let flush = corners(&[(-4.0, -4.0), (0.0, -4.0), (0.0, 4.0), (-4.0, 4.0)]);
-        let half = trims(Kept::Even, std::slice::from_ref(&flush));
-        for at in [(-4.0, 1.0), (-2.0, 4.0), (-2.0, -4.0), (-4.0, -4.0)] {
-            assert_eq!(half.contains_within(at.into(), REACH), Side::Outside, "{at:?}");
-        }
-        assert!(edge(half.contains(DVec2::new(0.0, 4.0))) && edge(half.contains(DVec2::ZERO)));
-        let other = trims(Kept::Odd, &[flush]);
-        assert!(edge(other.contains(DVec2::new(-4.0, 1.0))));
-
-        // Two circles that touch from within leave a cusp, which is not nothing.
-        let circle = |u, radius| TrimLoop::circle(DVec2::new(u, 0.0), radius).unwrap();
-        let crescent = trims(Kept::Odd, &[circle(0.0, 1.0), circle(0.5, 0.5)]);
-        assert!(edge(crescent.contains(DVec2::X)));
     }
 
     #[test]

@@ -12,6 +12,9 @@ use super::tree::Tree;
 /// along each other: a crossing leaves only a few. The parts are then not halved further.
 const MANY_PARTS: usize = 64;
 
+/// What the bounds of two curves' second derivatives cost, in comparisons of parts.
+const WORK_FOR_BENDS: usize = 16;
+
 /// The most halvings, after which parts of a segment are as small as its rounding error.
 const MOST_LEVELS: usize = 60;
 
@@ -139,12 +142,17 @@ impl Parts {
 /// beside the line through the ends of the other.
 fn stretches_near(pair: [&Segment; 2], work: &mut usize) -> Vec<[[f64; 2]; 2]> {
     let reach = pair[0].reach() + pair[1].reach();
+    let whole = Parts { stretches: [[0.0, 1.0]; 2], ends: pair.map(Segment::ends) };
+    if !whole.bounds(0).grown(reach).meets(&whole.bounds(1)) {
+        return Vec::new();
+    }
+    *work += WORK_FOR_BENDS;
     let bends = pair.map(Segment::bend);
     let meet = |part: &Parts| {
         part.bounds(0).grown(reach).meets(&part.bounds(1)) && !part.are_beside(bends, reach)
     };
     let fine = |part: &Parts| (0..2).all(|k| part.bounds(k).size().cmple(2.0 * reach).all());
-    let mut parts = vec![Parts { stretches: [[0.0, 1.0]; 2], ends: pair.map(Segment::ends) }];
+    let mut parts = vec![whole];
     parts.retain(meet);
     for _ in 0..MOST_LEVELS {
         if parts.is_empty() || parts.len() > MANY_PARTS || parts.iter().all(fine) {

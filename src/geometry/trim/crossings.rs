@@ -20,13 +20,12 @@ const MOST_HALVINGS: usize = 100;
 
 /// The number of parts of segments that may be compared per segment, in addition to
 /// [`WORK_FOR_A_START`]. A corner where two segments touch costs about 200 comparisons, a common
-/// side up to 1000, at about ten nanoseconds each. That is enough for a mosaic, and no more than
-/// two seconds for a hundred thousand segments.
+/// side up to 1000. That is enough for a mosaic.
 const WORK_PER_SEGMENT: usize = 1 << 11;
 
-/// The part of the budget that does not depend on the number of segments (see
-/// [`WORK_PER_SEGMENT`]): a hundred curves may well all touch each other, and a thousand circles
-/// lie inside each other, as in a zone plate.
+/// The part of the budget that does not depend on the number of segments: a hundred curves may well
+/// all touch each other, and a thousand circles lie inside each other, as in a zone plate. A
+/// comparison takes about ten nanoseconds, so this is a second or two.
 const WORK_FOR_A_START: usize = 1 << 27;
 
 /// A loop that is run through twice encloses its area twice; one that runs there and back encloses

@@ -123,11 +123,6 @@ impl Segment {
         self.control.is_empty()
     }
 
-    /// Whether it is the same curve as another, in whichever directions their loops run.
-    pub(super) fn is_same_curve(&self, other: &Self) -> bool {
-        self.ends == other.ends && self.control == other.control
-    }
-
     /// Error bound of the segment: the distance in u and in v to the curve it was cut from.
     pub(super) fn reach(&self) -> DVec2 {
         self.reach

@@ -125,7 +125,7 @@ impl Trims {
                 stops.dedup();
                 for pair in stops.windows(2) {
                     let middle = segment.directed_at(0.5 * (pair[0] + pair[1]));
-                    let inside = edge && bounds.holds(middle) && !self.is_bare(middle, DVec2::ZERO);
+                    let inside = edge && bounds.holds(middle);
                     pieces.push(inside.then(|| {
                         let mut part = control.clone();
                         restrict(&mut part, pair[0], pair[1]);

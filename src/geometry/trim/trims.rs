@@ -40,8 +40,7 @@ pub enum Side {
     Inside,
     /// In the part that is cut off.
     Outside,
-    /// On a trim curve, as far as rounding errors allow to tell. (A point of a curve on both sides
-    /// of which nothing is kept is [outside](Self::Outside).)
+    /// On a trim curve, as far as rounding errors allow to tell.
     Edge {
         /// The side on which the half-open rule puts the point. It is right for the curve as
         /// searched, but the point may lie on the other side of the curve as written.
@@ -196,7 +195,6 @@ impl Trims {
         let odd = crossings % 2 != 0;
         let inside = odd == (self.kept == Kept::Odd);
         match distance {
-            Some(_) if self.is_bare(uv, reach) => Side::Outside,
             Some(distance) => Side::Edge { inside, distance },
             None if inside => Side::Inside,
             None => Side::Outside,

@@ -281,7 +281,7 @@ mod tests {
         let root = Root { piece: leaf.piece, cosine: 1.0, st, error: 1e-14 };
         let ray = Ray::new(jet.point, direction).unwrap();
         let mut hits: Vec<Hit> = Vec::new();
-        let _ = bvh.tracer().all_hits(&Query { ray, from: Some(root) }, &mut hits);
+        let _ = bvh.tracer().exact_all_hits(&Query { ray, from: Some(root) }, &mut hits);
         let rect = leaf.rect();
         let inside = |st: DVec2| (0..2).all(|k| rect[k][0] <= st[k] && st[k] <= rect[k][1]);
         let meets_again =

@@ -106,7 +106,7 @@ pub(super) const PACKET: usize = 64;
 
 /// A bicubic sheet of hills whose weights differ from point to point.
 #[cfg(test)]
-fn weighted_hills() -> crate::geometry::NurbsSurface {
+pub(in crate::intersect) fn weighted_hills() -> crate::geometry::NurbsSurface {
     use glam::DVec4;
 
     let knots = crate::geometry::KnotVector::clamped_uniform(3, 12).unwrap();

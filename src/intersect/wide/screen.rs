@@ -248,7 +248,7 @@ mod tests {
     /// Whether a line meets a leaf, as the exact solver finds it.
     fn meets(bvh: &SurfaceBvh, leaf: &Leaf, query: &Query) -> bool {
         let mut hits: Vec<Hit> = Vec::new();
-        let _ = bvh.tracer().all_hits(query, &mut hits);
+        let _ = bvh.tracer().exact_all_hits(query, &mut hits);
         let rect = leaf.rect();
         let inside = |st: DVec2| (0..2).all(|k| rect[k][0] <= st[k] && st[k] <= rect[k][1]);
         hits.iter().any(|hit| hit.root.piece == leaf.piece && inside(hit.root.st))

@@ -469,7 +469,7 @@ fn search_pairs<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stre
                 if flight.takes(view, &lanes.place(lane, pair.leaf), *wanted) {
                     lanes.put(lane, pair.leaf, &mut flight.hit);
                 }
-            } else if has(outcomes.unconverged, lane) {
+            } else if has(outcomes.unconverged, lane) && !flight.is_done() {
                 let shot = &shots[pair.ray as usize];
                 let asked = StreamRay::new(view, shot, *wanted, pair.ray);
                 let patch = &view.piece_of(pair.leaf).patch;

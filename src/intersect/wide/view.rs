@@ -33,7 +33,7 @@ impl Fitted<'_> {
     }
 }
 
-/// Scenes of more leaves than this do not fit into the processor's caches.
+/// Scenes of as many leaves as this do not fit into the processor's caches.
 const FAR: usize = 1 << 14;
 
 impl<'a> BvhView<'a> {
@@ -43,8 +43,8 @@ impl<'a> BvhView<'a> {
         magnitude > self.reach_of_f32
     }
 
-    /// Whether data needed soon are worth prefetching, stage by stage: leaves, their pieces, and
-    /// the control points of these.
+    /// Whether the scene does not fit into the processor's caches. Then data needed soon are worth
+    /// prefetching, stage by stage: leaves, their pieces, and the control points of these.
     #[inline(always)]
     pub(in crate::intersect) fn is_far(&self) -> bool {
         self.leaves.len() >= FAR
