@@ -134,13 +134,13 @@ impl<'a> Tracer<'a> {
     /// Hits of adjoining pieces, or of surfaces whose borders meet, are one crossing and reported
     /// once if they are at the same place and have the same sign of `N · d`. All kernels find the
     /// same hits: the search is that of the scalar kernel.
-    #[must_use = "`true` says that hits may be missing, or be none"]
+    #[must_use = "`true` says that the hits are in doubt"]
     pub fn all_hits<Q: Shot>(&mut self, shot: &Q, hits: &mut Vec<Hit>) -> bool {
         self.all(&shot.query(), leaf_search::search, hits)
     }
 
     /// The same by the exact solver alone: tens of times as slow, and independent of certificates.
-    #[must_use = "`true` says that hits may be missing, or be none"]
+    #[must_use = "`true` says that the hits are in doubt"]
     pub fn exact_all_hits<Q: Shot>(&mut self, shot: &Q, hits: &mut Vec<Hit>) -> bool {
         self.all(&shot.query(), exactly, hits)
     }
