@@ -39,9 +39,16 @@ impl Tracer<'_> {
         dispatch!(level, simd => any_hit(simd, self, shot))
     }
 
+    /// Puts the meetings of one ray with all leaves it may meet into the findings.
+    pub(super) fn single_all(&mut self, level: Level, query: &Query) {
+        let ray = (&query.ray, query.from.as_ref());
+        let frame = dispatch!(level, simd => search(simd, self, ray, Wanted::All));
+        self.search_undecided_of_single((query, &frame), frame.z_range[1], Wanted::All);
+    }
+
     /// Whether the ray comes from too far away for the fast search.
     #[inline(always)]
-    fn is_beyond_f32(&self, ray: &Ray) -> bool {
+    pub(super) fn is_beyond_f32(&self, ray: &Ray) -> bool {
         self.bvh.view().is_beyond_f32(ray.origin().abs().max_element())
     }
 
@@ -68,7 +75,8 @@ impl Tracer<'_> {
         wanted: Wanted,
     ) {
         let bvh = self.bvh;
-        let question = Question::new(&bvh.set, query, frame);
+        let all_hits = wanted == Wanted::All;
+        let question = Question { all_hits, ..Question::new(&bvh.set, query, frame) };
         self.findings.clear();
         let passage = |leaf: u32| {
             let oriented = bvh.tree.oriented(leaf);
@@ -94,7 +102,7 @@ impl Tracer<'_> {
                         limit = limit.min((meeting.t + meeting.t_error) / frame.t_from_z);
                     }
                     Wanted::Any if meeting.is_certain() => return,
-                    Wanted::Any => {}
+                    Wanted::Any | Wanted::All => {}
                 }
             }
         }

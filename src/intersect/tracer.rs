@@ -133,22 +133,35 @@ impl<'a> Tracer<'a> {
     ///
     /// Hits of adjoining pieces, or of surfaces whose borders meet, are one crossing and reported
     /// once if they are at the same place and have the same sign of `N · d`. All kernels find the
-    /// same hits: the search is that of the scalar kernel.
+    /// same hits: the fast ones find the leaves that the ray may meet, the scalar search does the
+    /// rest.
     #[must_use = "`true` says that the hits are in doubt"]
     pub fn all_hits<Q: Shot>(&mut self, shot: &Q, hits: &mut Vec<Hit>) -> bool {
-        self.all(&shot.query(), leaf_search::search, hits)
+        let query = shot.query();
+        match self.level {
+            Some(level) if !self.is_beyond_f32(&query.ray) => self.single_all(level, &query),
+            _ => self.collect_all(&query, leaf_search::search),
+        }
+        self.merge(&query, hits)
     }
 
-    /// The same by the exact solver alone: tens of times as slow, and independent of certificates.
+    /// The same by the exact solver alone: slow, and independent of certificates and kernels.
     #[must_use = "`true` says that the hits are in doubt"]
     pub fn exact_all_hits<Q: Shot>(&mut self, shot: &Q, hits: &mut Vec<Hit>) -> bool {
-        self.all(&shot.query(), exactly, hits)
+        let query = shot.query();
+        self.collect_all(&query, exactly);
+        self.merge(&query, hits)
     }
 
-    fn all(&mut self, query: &Query, search: Search, hits: &mut Vec<Hit>) -> bool {
-        let (set, frame) = (&self.bvh.set, RayFrame::new(&query.ray));
-        let question = Question { all_hits: true, ..Question::new(set, query, &frame) };
+    fn collect_all(&mut self, query: &Query, search: Search) {
+        let frame = RayFrame::new(&query.ray);
+        let question = Question { all_hits: true, ..Question::new(&self.bvh.set, query, &frame) };
         self.collect(&question, search, |_| f64::INFINITY);
+    }
+
+    /// Makes hits of the meetings found; returns whether they are in doubt.
+    fn merge(&mut self, query: &Query, hits: &mut Vec<Hit>) -> bool {
+        let (set, frame) = (&self.bvh.set, RayFrame::new(&query.ray));
         crossings::merge(&mut self.findings.meetings, set.pieces(), frame.axis);
         hits.clear();
         hits.extend(self.findings.meetings.iter().map(|meeting| hit(set, meeting)));

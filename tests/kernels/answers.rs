@@ -1,7 +1,7 @@
 //! The answers of kernels, and how they may differ.
 
 use glam::{DAffine3, DVec2, DVec3};
-use nurbray::intersect::{Answer, Coherence, Kernel, Occlusion, Query, SurfaceBvh};
+use nurbray::intersect::{Answer, Coherence, Hit, Kernel, Occlusion, Query, SurfaceBvh, Tracer};
 use nurbray::math::rounding;
 use nurbray::patch::Piece;
 
@@ -36,13 +36,21 @@ pub(crate) type Said = (Vec<u64>, u32, u8, String);
 
 /// What an answer says, to the bit.
 pub(crate) fn bits(answer: &Answer) -> (Option<Said>, bool) {
-    let hit = answer.hit.map(|hit| {
-        let places = [vec![hit.t], hit.uv.to_array().to_vec()].concat();
-        let vectors = [hit.point.to_array(), hit.normal.to_array()].concat();
-        let values = places.into_iter().chain(vectors).map(f64::to_bits).collect();
-        (values, hit.surface, hit.flags.bits(), format!("{:?}", hit.root))
-    });
-    (hit, answer.doubtful)
+    (answer.hit.as_ref().map(said), answer.doubtful)
+}
+
+/// What is said of all hits of a ray, to the bit.
+pub(crate) fn all_bits(tracer: &mut Tracer<'_>, query: &Query) -> (Vec<Said>, bool) {
+    let mut hits = Vec::new();
+    let doubtful = tracer.all_hits(query, &mut hits);
+    (hits.iter().map(said).collect(), doubtful)
+}
+
+fn said(hit: &Hit) -> Said {
+    let places = [vec![hit.t], hit.uv.to_array().to_vec()].concat();
+    let vectors = [hit.point.to_array(), hit.normal.to_array()].concat();
+    let values = places.into_iter().chain(vectors).map(f64::to_bits).collect();
+    (values, hit.surface, hit.flags.bits(), format!("{:?}", hit.root))
 }
 
 /// The pieces of a surface.

@@ -23,7 +23,8 @@ mod random;
 mod rays;
 
 use answers::{
-    Asked, bits, compare, compare_all, everywhere, occlusions, one_by_one, trace, wide_kernels,
+    Asked, all_bits, bits, compare, compare_all, everywhere, occlusions, one_by_one, trace,
+    wide_kernels,
 };
 use models::{Model, models, sheet, trimmed, with_heavy_points};
 use random::Random;
@@ -113,6 +114,23 @@ fn rays_past_poles_are_answered_as_by_the_scalar_kernel() {
             }
         }
     }
+}
+
+#[test]
+fn all_hits_are_those_of_the_scalar_kernel_to_the_bit() {
+    everywhere(|asked, queries, leaving| {
+        let mut tracers: Vec<_> = [Kernel::Scalar]
+            .into_iter()
+            .chain(wide_kernels())
+            .map(|kernel| asked.bvh.tracer_with(kernel))
+            .collect();
+        for query in queries.iter().chain(leaving) {
+            let told = tracers.iter_mut().map(|tracer| all_bits(tracer, query));
+            let told: Vec<_> = told.collect();
+            let same = told.iter().all(|hits| *hits == told[0]);
+            assert!(same, "{}: {query:?}: {told:#?}", asked.model.name);
+        }
+    });
 }
 
 #[test]

@@ -33,6 +33,7 @@ use super::spline_net::RecentNets;
 use super::view::{BvhView, Fitted};
 use crate::intersect::Statistics;
 use crate::intersect::tree::Child;
+use crate::math::bits::set_bits;
 
 /// Scratch memory and results of tracing one ray.
 #[derive(Debug, Default)]
@@ -108,6 +109,10 @@ fn search_block<S: Simd>(
     ray.boxes.cross(simd, block, &mut crossings);
     let mut met = leaves.of(crossings.met);
     view.prefetch_leaves(leaves.first, met);
+    if ray.asks_for_all() {
+        work.undecided.extend(set_bits(met).map(|k| leaves.first + k as u32));
+        return;
+    }
     while met != 0 {
         let nearest = first_entered(&crossings.entry, met);
         met &= !(1 << nearest);

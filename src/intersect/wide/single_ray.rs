@@ -124,6 +124,11 @@ impl<'a> SingleRay<'a> {
         self.wanted == Wanted::First
     }
 
+    /// Whether all leaves are wanted that it may meet.
+    pub(super) fn asks_for_all(&self) -> bool {
+        self.wanted == Wanted::All
+    }
+
     /// Ends the ray at a hit.
     pub(super) fn shorten(&mut self, z: f64) {
         self.boxes.far = self.wanted.far(z, self.shift, self.scale);

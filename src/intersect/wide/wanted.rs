@@ -2,12 +2,16 @@
 
 use super::frames::END_SPARE;
 
-/// What a ray asks for: its first hit, or any hit.
+/// What a ray asks for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::intersect) enum Wanted {
+    /// Its first hit.
     #[default]
     First,
+    /// Any hit.
     Any,
+    /// All hits: of a single ray, the fast search only collects the leaves that it may meet.
+    All,
 }
 
 impl Wanted {
@@ -18,6 +22,7 @@ impl Wanted {
         match self {
             Self::First => ((z - shift) * scale + f64::from(END_SPARE)) as f32,
             Self::Any => f32::NEG_INFINITY,
+            Self::All => f32::INFINITY,
         }
     }
 }
