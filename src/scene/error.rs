@@ -140,8 +140,8 @@ pub enum SceneFault {
         /// What it is.
         kind: &'static str,
     },
-    /// Trims for a surface that its file has trimmed.
-    #[error("object \"{object}\": its file has trimmed this surface: it cannot be trimmed again")]
+    /// Trims for a surface that is trimmed already.
+    #[error("object \"{object}\": this surface is trimmed already, by its file or by what made it")]
     TrimmedTwice {
         /// The object's name.
         object: String,
