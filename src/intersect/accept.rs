@@ -101,12 +101,11 @@ impl<'a> Candidate<'a> {
             Proof::Contact(_) => HitFlags::DOUBTFUL,
             Proof::Stretch(_) => HitFlags::DOUBTFUL.with(HitFlags::INSIDE),
         };
-        let moved = spot.st != solution.st;
-        let barely = moved && on_ray.residual > on_ray.allowed / MOST_UNSURE;
-        if barely || proof == Proof::Collapsed && may_touch(leaf, &spot.jet, cosine, error) {
+        if proof == Proof::Collapsed && may_touch(leaf, &spot.jet, cosine, error) {
             flags.insert(HitFlags::DOUBTFUL);
         }
         let z_error = error_along(proof, error, (z, cosine));
+        let moved = spot.st != solution.st;
         Self {
             question,
             leaf,
@@ -227,6 +226,8 @@ impl<'a> Candidate<'a> {
             Proof::Stretch(z) => Some(z.map(|z| z * ray.t_from_z)),
             _ => None,
         };
+        // A ray may pass a pole on any side of it.
+        let at_pole = self.leaf.collapsed(piece).is_some_and(|side| side.beside(st) == st);
         Meeting {
             t: z * ray.t_from_z,
             t_error: z_error * ray.t_from_z,
@@ -241,10 +242,8 @@ impl<'a> Candidate<'a> {
             edge,
             cosine,
             stretch,
-            // A pole is itself a border: what passes it may be moved onto it.
             beyond: self.cut_off
-                || (self.moved || self.solution.proof == Proof::Collapsed)
-                    && residual > AIMED * rounding_at(jet.point, piece, ray),
+                || (self.moved || at_pole) && residual > AIMED * rounding_at(jet.point, piece, ray),
         }
     }
 }
@@ -292,8 +291,7 @@ fn on_ray<'a>(
     let speed = jet.ds.length() * st.x + jet.dt.length() * st.y;
     let too_coarse = residual <= allowed + 4.0 * rounding::UNIT_ROUNDOFF * speed;
     let stretch = solution.proof.stretch();
-    let closely = moved && residual <= MOST_UNSURE * allowed;
-    let unexplained = stretch.is_some() || !moved || too_coarse || closely;
+    let unexplained = stretch.is_some() || !moved || too_coarse;
     let from = stretch.map_or(z, |[from, _]| from.min(z));
     Err(if unexplained { Dropped::from(from, ray) } else { Dropped::Surely })
 }
@@ -311,10 +309,6 @@ fn may_touch(leaf: &Leaf, jet: &Jet, cosine: f64, error: f64) -> bool {
 /// A leaf is met only by rays within this many errors of it: a stretch along which a ray runs
 /// inside the leaf may be off by that much.
 pub(super) const AROUND: f64 = 4.0;
-
-/// Two searches come to a border at slightly different parameters: where the border is farther from
-/// the ray than allowed for one of them, it is within this many times as much for the other.
-const MOST_UNSURE: f64 = 1.1;
 
 /// A root at a trim edge is doubtful if its error along the ray is more than this many times the
 /// error across it, that is, if the ray is within 1e-5 of the tangent plane: the hit may be off the

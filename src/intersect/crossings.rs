@@ -17,8 +17,7 @@ use crate::patch::Piece;
 /// leave there, or to do neither. Where only one of the two sides was near enough, its meeting is
 /// doubtful.
 pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
-    let place = |m: &Meeting| (m.surface, m.piece);
-    meetings.sort_by(|a, b| a.t.total_cmp(&b.t).then_with(|| place(a).cmp(&place(b))));
+    meetings.sort_by(Meeting::order);
     join_stretches(meetings);
     vertices::settle(meetings, pieces, axis);
 

@@ -1,5 +1,7 @@
 //! The question that a ray puts to leaves, and what is found.
 
+use std::cmp::Ordering;
+
 use glam::{DVec2, DVec3};
 
 use super::borders::{at_border, error_bound, trim_reach};
@@ -38,6 +40,16 @@ pub(super) struct Meeting {
 }
 
 impl Meeting {
+    /// Which of two comes first: the nearer one, of those at one `t` that on the surface, then the
+    /// piece that was given first, and last by the place on the piece, so that the order of the
+    /// search does not matter.
+    pub(super) fn order(&self, other: &Self) -> Ordering {
+        let place = |m: &Self| (m.surface, m.piece);
+        let by_piece = self.t.total_cmp(&other.t).then_with(|| place(self).cmp(&place(other)));
+        let (a, b) = (self.st, other.st);
+        by_piece.then_with(|| a.x.total_cmp(&b.x)).then_with(|| a.y.total_cmp(&b.y))
+    }
+
     /// Whether floating point has decided that the ray meets the leaf here.
     pub(super) fn is_certain(&self) -> bool {
         !self.flags.contains(HitFlags::DOUBTFUL)

@@ -299,18 +299,9 @@ pub(super) fn answer_of<'m>(
     meetings: impl Iterator<Item = &'m Meeting> + Clone,
     doubt: f64,
 ) -> Answer {
-    // The last tie-break is the place on the piece, so that the order of the search does not
-    // matter.
-    let order = |a: &&Meeting, b: &&Meeting| {
-        let place = |m: &Meeting| (m.surface, m.piece);
-        let on_piece = |m: &Meeting| (m.st.x, m.st.y);
-        let (p, q) = (on_piece(a), on_piece(b));
-        let by_place = || p.0.total_cmp(&q.0).then(p.1.total_cmp(&q.1));
-        a.t.total_cmp(&b.t).then_with(|| place(a).cmp(&place(b))).then_with(by_place)
-    };
     // A hit so far away that `t` is infinite lies beyond every range.
     let reachable = meetings.filter(|meeting| meeting.t < f64::INFINITY);
-    let first = reachable.clone().min_by(order);
+    let first = reachable.clone().min_by(|a, b| a.order(b));
     // A doubtful meeting may lie before where it was found, by as much as its error bound. But one
     // at the place of the first meeting is the first itself if it is known as well as that, as the
     // ends of stretches are.
