@@ -226,8 +226,6 @@ impl<'a> Candidate<'a> {
             Proof::Stretch(z) => Some(z.map(|z| z * ray.t_from_z)),
             _ => None,
         };
-        // A ray may pass a pole on any side of it.
-        let at_pole = self.leaf.collapsed(piece).is_some_and(|side| side.beside(st) == st);
         Meeting {
             t: z * ray.t_from_z,
             t_error: z_error * ray.t_from_z,
@@ -243,7 +241,7 @@ impl<'a> Candidate<'a> {
             cosine,
             stretch,
             beyond: self.cut_off
-                || (self.moved || at_pole) && residual > AIMED * rounding_at(jet.point, piece, ray),
+                || self.moved && residual > AIMED * rounding_at(jet.point, piece, ray),
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::patch::Leaf;
 ///   the same leaves, so the pixels of a picture should come in squares of 8 × 8, or in Z-order,
 ///   not row after row.
 /// - Of incoherent rays, up to 256 consecutive ones are traced side by side for first hits and, in
-///   scenes too large for the processor's caches, for occlusion; else each by itself.
+///   scenes of 2¹⁷ leaves and more, for occlusion; else each by itself.
 /// - Batches of a few thousand rays are long enough. The answers to longer ones leave the
 ///   processor's caches before the caller reads them.
 ///

@@ -197,7 +197,7 @@ impl<'a> Tracer<'a> {
     /// Occlusion of many rays; `answers` is cleared and filled in the same order.
     ///
     /// If the kernel supports it, coherent rays are traced in packets. Incoherent rays are traced
-    /// one by one or, in scenes too large for the processor's caches, side by side in streams.
+    /// one by one or, in scenes of 2¹⁷ leaves and more, side by side in streams.
     pub fn occlusions<Q: Shot>(
         &mut self,
         shots: &[Q],
@@ -209,7 +209,7 @@ impl<'a> Tracer<'a> {
             Some(level) if coherence == Coherence::Coherent => {
                 self.occlusions_in_packets(level, shots, answers);
             }
-            Some(level) if self.bvh.view().is_far() => {
+            Some(level) if self.bvh.view().is_vast() => {
                 self.occlusions_in_streams(level, shots, answers);
             }
             Some(level) => self.single_anys(level, shots, answers),

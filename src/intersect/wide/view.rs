@@ -36,6 +36,10 @@ impl Fitted<'_> {
 /// Scenes of as many leaves as this do not fit into the processor's caches.
 const FAR: usize = 1 << 14;
 
+/// In scenes of as many leaves as this, occlusion is traced in streams. Measured: 1.04 to 1.6 times
+/// as fast with 2¹⁸ leaves and more, 0.87 to 1.03 times with 2¹⁶ and less.
+const VAST: usize = 1 << 17;
+
 impl<'a> BvhView<'a> {
     /// Whether an origin with this largest coordinate is too far away for the work in f32.
     #[inline(always)]
@@ -43,11 +47,17 @@ impl<'a> BvhView<'a> {
         magnitude > self.reach_of_f32
     }
 
-    /// Whether the scene does not fit into the processor's caches. Then data needed soon are worth
-    /// prefetching, stage by stage: leaves, their pieces, and the control points of these.
+    /// Whether data needed soon are worth prefetching, stage by stage: leaves, their pieces, and
+    /// the control points of these.
     #[inline(always)]
-    pub(in crate::intersect) fn is_far(&self) -> bool {
+    pub(super) fn is_far(&self) -> bool {
         self.leaves.len() >= FAR
+    }
+
+    /// Whether rays wait so long for their data that many are worth tracing side by side, even if
+    /// each asks for any hit only.
+    pub(in crate::intersect) fn is_vast(&self) -> bool {
+        self.leaves.len() >= VAST
     }
 
     /// A leaf of a piece, with its weight if it has one.
