@@ -25,7 +25,7 @@ const WORK_PER_SEGMENT: usize = 1 << 11;
 
 /// The part of the budget that does not depend on the number of segments: a hundred curves may well
 /// all touch each other, and a thousand circles lie inside each other, as in a zone plate. A
-/// comparison takes about ten nanoseconds, so this is a second or two.
+/// comparison takes ten to thirty nanoseconds, so this is four seconds at most.
 const WORK_FOR_A_START: usize = 1 << 27;
 
 /// A loop that is run through twice encloses its area twice; one that runs there and back encloses
