@@ -28,7 +28,7 @@ impl Random {
 
     /// Uniform in `[0, 1)`, a multiple of 2⁻⁵³.
     pub(crate) fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+        self.words.unit()
     }
 
     /// Uniform in `[a, b)`.

@@ -39,11 +39,13 @@ impl Tracer<'_> {
         dispatch!(level, simd => any_hit(simd, self, shot))
     }
 
-    /// Puts the meetings of one ray with all leaves it may meet into the findings.
-    pub(super) fn single_all(&mut self, level: Level, query: &Query) {
+    /// Puts the meetings of one ray with all leaves it may meet into the findings; returns the ray's
+    /// unit direction.
+    pub(super) fn single_all(&mut self, level: Level, query: &Query) -> DVec3 {
         let ray = (&query.ray, query.from.as_ref());
         let frame = dispatch!(level, simd => search(simd, self, ray, Wanted::All));
         self.search_undecided_of_single((query, &frame), frame.z_range[1], Wanted::All);
+        frame.axis
     }
 
     /// Whether the ray comes from too far away for the fast search.

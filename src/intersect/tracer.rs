@@ -138,31 +138,33 @@ impl<'a> Tracer<'a> {
     #[must_use = "`true` says that the hits are in doubt"]
     pub fn all_hits<Q: Shot>(&mut self, shot: &Q, hits: &mut Vec<Hit>) -> bool {
         let query = shot.query();
-        match self.level {
+        let axis = match self.level {
             Some(level) if !self.is_beyond_f32(&query.ray) => self.single_all(level, &query),
             _ => self.collect_all(&query, leaf_search::search),
-        }
-        self.merge(&query, hits)
+        };
+        self.merge(axis, hits)
     }
 
     /// The same by the exact solver alone: slow, and independent of certificates and kernels.
     #[must_use = "`true` says that the hits are in doubt"]
     pub fn exact_all_hits<Q: Shot>(&mut self, shot: &Q, hits: &mut Vec<Hit>) -> bool {
-        let query = shot.query();
-        self.collect_all(&query, exactly);
-        self.merge(&query, hits)
+        let axis = self.collect_all(&shot.query(), exactly);
+        self.merge(axis, hits)
     }
 
-    fn collect_all(&mut self, query: &Query, search: Search) {
+    /// Puts the meetings with all leaves into the findings; returns the ray's unit direction.
+    fn collect_all(&mut self, query: &Query, search: Search) -> DVec3 {
         let frame = RayFrame::new(&query.ray);
         let question = Question { all_hits: true, ..Question::new(&self.bvh.set, query, &frame) };
         self.collect(&question, search, |_| f64::INFINITY);
+        frame.axis
     }
 
-    /// Makes hits of the meetings found; returns whether they are in doubt.
-    fn merge(&mut self, query: &Query, hits: &mut Vec<Hit>) -> bool {
-        let (set, frame) = (&self.bvh.set, RayFrame::new(&query.ray));
-        crossings::merge(&mut self.findings.meetings, set.pieces(), frame.axis);
+    /// Makes hits of the meetings found with a ray of this unit direction; returns whether they are
+    /// in doubt.
+    fn merge(&mut self, axis: DVec3, hits: &mut Vec<Hit>) -> bool {
+        let set = &self.bvh.set;
+        crossings::merge(&mut self.findings.meetings, set.pieces(), axis);
         hits.clear();
         hits.extend(self.findings.meetings.iter().map(|meeting| hit(set, meeting)));
         let certain = self.findings.meetings.iter().all(Meeting::is_certain);

@@ -56,19 +56,22 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
         let enters = all().any(|m| m.cosine < 0.0);
         let at_tip = |m: &Meeting| pieces[m.piece as usize].is_tip(m.jet.point);
         let tip = group.iter().copied().find(|&j| at_tip(&meetings[j]));
-        let both = leaves && enters || tip.is_some();
-        // Where a surface overlaps itself, a ray may go through it twice at one place.
-        let twice = || matches!(passage(all(), pieces, axis), AtVertex::ThroughMore);
-        if known && !both && group.len() > 2 && twice() {
-            group.iter().for_each(|&j| doubtful[j] = true);
+        if !known {
+            continue;
         }
-        if !known || !both {
+        let mut doubt = || group.iter().for_each(|&j| doubtful[j] = true);
+        if !(leaves && enters || tip.is_some()) {
+            // Where a surface overlaps itself, a ray may go through it twice at one place.
+            let twice = || matches!(passage(all(), pieces, axis), AtVertex::ThroughMore);
+            if group.len() > 2 && twice() {
+                doubt();
+            }
             continue;
         }
         if overlaps {
             // A meeting is at the place of two that are not at one place: which belong together is
             // not known.
-            group.iter().for_each(|&j| doubtful[j] = true);
+            doubt();
             continue;
         }
         match (passage(all(), pieces, axis), tip) {
@@ -79,7 +82,7 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
                 group.iter().for_each(|&j| wrong[j] = meetings[j].cosine * way < 0.0);
                 // Dropped meetings leave their doubt to the others.
                 if group.iter().any(|&j| wrong[j] && !meetings[j].is_certain()) {
-                    group.iter().for_each(|&j| doubtful[j] = true);
+                    doubt();
                 }
             }
             (AtVertex::Touching, Some(tip)) if !(leaves && enters) => {
@@ -87,9 +90,7 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
                 others.push(Meeting { cosine, ..meetings[tip] });
             }
             (AtVertex::Touching, _) => {}
-            (AtVertex::ThroughMore | AtVertex::Unknown, _) => {
-                group.iter().for_each(|&j| doubtful[j] = true)
-            }
+            (AtVertex::ThroughMore | AtVertex::Unknown, _) => doubt(),
         }
     }
     for (meeting, _) in meetings.iter_mut().zip(doubtful).filter(|(_, doubtful)| *doubtful) {

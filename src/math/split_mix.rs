@@ -22,6 +22,11 @@ impl SplitMix {
         Self::mix(self.state)
     }
 
+    /// The next number, uniform in `[0, 1)`: a multiple of 2⁻⁵³.
+    pub fn unit(&mut self) -> f64 {
+        (self.word() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
     /// The finaliser, one to one: each bit of the result depends on each bit of the argument. 0
     /// stays 0.
     pub fn mix(word: u64) -> u64 {

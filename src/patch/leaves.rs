@@ -90,14 +90,14 @@ pub(super) fn coarse(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
 fn halved(pieces: &[Piece], grids: &[Grid], bounds: Aabb) -> Vec<Part> {
     let charts = || grids.par_iter().flat_map(|grid| grid.pieces());
     let flats = |k: usize| flats_of(k, &pieces[k]);
-    let all_in = |parts: &mut dyn Iterator<Item = Aabb>| parts.fold(bounds, Aabb::union);
     // The parts that stay as they are, and those that may be halved.
     let (mut leaves, mut open, room): (Vec<Part>, BinaryHeap<Flat>, Room);
     if pieces_of(grids) <= MOST_OF_SCENE {
         let coarse: Vec<Flats> = charts().map(flats).collect();
         leaves = Vec::new();
         open = coarse.into_iter().flatten().collect();
-        room = Room::new(open.len(), all_in(&mut open.iter().map(|flat| flat.part_net.bounds())));
+        let boxes = open.iter().map(|flat| flat.part_net.bounds());
+        room = Room::new(open.len(), boxes.fold(bounds, Aabb::union));
     } else {
         // The control points of all parts at once would take too much memory.
         let coarse: Vec<(usize, f64, SmallVec<[Part; 1]>)> = charts()
@@ -108,7 +108,8 @@ fn halved(pieces: &[Piece], grids: &[Grid], bounds: Aabb) -> Vec<Part> {
             })
             .collect();
         let parts = || coarse.iter().flat_map(|(_, _, parts)| parts);
-        room = Room::new(parts().count(), all_in(&mut parts().map(|part| part.bounds)));
+        let boxes = parts().map(|part| part.bounds);
+        room = Room::new(parts().count(), boxes.fold(bounds, Aabb::union));
         let (bent, others): (Vec<_>, Vec<_>) =
             coarse.into_iter().partition(|(_, worth, _)| room.may_be_for(*worth));
         leaves = others.into_iter().flat_map(|(_, _, parts)| parts).collect();

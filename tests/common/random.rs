@@ -14,7 +14,7 @@ impl Random {
 
     /// Uniform in `[0, 1)`.
     pub(crate) fn unit(&mut self) -> f64 {
-        (self.0.word() >> 11) as f64 * f64::powi(2.0, -53)
+        self.0.unit()
     }
 
     /// Uniform in `[from, to)`.

@@ -177,3 +177,36 @@ fn stretches_near(pair: [&Segment; 2], work: &mut usize) -> Vec<[[f64; 2]; 2]> {
     }
     joined
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::trim::{Kept, TrimCurve, TrimDomain, TrimLoop, Trims};
+
+    #[test]
+    fn second_derivatives_are_within_their_bounds() {
+        let cubic = [(0.0, 0.0), (3.0, 0.5), (-1.0, 2.0), (2.0, 3.0)].map(DVec2::from);
+        let heavy = [(2.0, 3.0), (0.0, 4.0), (0.0, 0.0)].map(DVec2::from);
+        let curves = [
+            TrimCurve::bezier(&cubic, None).unwrap(),
+            TrimCurve::bezier(&heavy, Some(&[1.0, 8.0, 0.5])).unwrap(),
+        ];
+        let circle = TrimLoop::circle(DVec2::new(30.0, 7.0), 4.0).unwrap();
+        let domain = TrimDomain::new([-99.0, 99.0], [-99.0, 99.0]).unwrap();
+        let loops = [circle, TrimLoop::new(&curves).unwrap()];
+        let trims = Trims::new(domain, Kept::Odd, &loops).unwrap();
+        assert!(trims.segments.len() > 20);
+        for segment in &trims.segments {
+            let (bend, step) = (segment.bend(), 1e-3);
+            let mut largest = DVec2::ZERO;
+            for k in 1..1000 {
+                let at = |more: f64| segment.free_at((f64::from(k) + more) * step);
+                let second = (at(1.0) - 2.0 * at(0.0) + at(-1.0)) / (step * step);
+                largest = largest.max(second.abs());
+            }
+            // Differences are exact to their square, and to rounding.
+            assert!(largest.cmple(1.001 * bend + 1e-7).all(), "{largest} {bend}");
+            assert!((16.0 * largest).cmpge(bend).any(), "{largest} {bend}");
+        }
+    }
+}

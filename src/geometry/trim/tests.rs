@@ -18,7 +18,7 @@ impl Random {
     }
 
     pub(super) fn next(&mut self) -> f64 {
-        (self.0.word() >> 11) as f64 / (1_u64 << 53) as f64
+        self.0.unit()
     }
 
     fn in_box(&mut self, bounds: UvBox) -> DVec2 {
