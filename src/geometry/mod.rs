@@ -66,7 +66,7 @@ pub use basis_functions::BasisFunctions;
 pub use bezier::{bernstein, de_casteljau, halves};
 pub(crate) use bezier_form::BezierForm;
 pub use cage::{
-    BoundaryRule, Cage, CageError, CageParts, Corner, Crease, FaceSquare, Feature, LimitError,
+    BoundaryRule, Cage, CageError, CageParts, Corner, Crease, FaceRect, Feature, LimitError,
     LimitPatch, LimitPoint, LimitSurface,
 };
 pub use chart::{Chart, ChartMap, Charts};

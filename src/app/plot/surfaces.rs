@@ -162,8 +162,8 @@ impl Lines {
         // Doo–Sabin surfaces end within faces.
         for (index, patch) in surface.patches().iter().enumerate() {
             let Some(Ok(net)) = surface.surface(index) else { continue };
-            let [high_u, high_v] = patch.square.unit_uv(1.0, 1.0);
-            let [low_u, low_v] = patch.square.low;
+            let [high_u, high_v] = patch.rect.unit_uv(1.0, 1.0);
+            let [low_u, low_v] = patch.rect.low;
             let sides = [low_u, high_u, low_v, high_v].into_iter().zip(patch.border).enumerate();
             for (side, _) in sides.filter(|(_, (at, border))| *border && *at != 0.0 && *at != 1.0) {
                 let end = (side % 2) as f64;

@@ -5,10 +5,10 @@ use glam::DVec3;
 use super::Cage;
 use super::cage_error::LimitError;
 use super::doo_sabin::refined;
-use super::limit_surface::{FaceSquare, LimitSurface};
+use super::limit_surface::{FaceRect, LimitSurface};
 use super::mesh::Mesh;
 use super::topology::NONE;
-use super::tree::{MAX_LEVELS, Net, Tree, within};
+use super::tree::{Cut, MAX_LEVELS, Net, Tree, within};
 use crate::math::Aabb;
 
 /// A vertex of the current mesh with four faces around it. The patch over it extends to the middles
@@ -95,12 +95,12 @@ fn start(mesh: &Mesh, tree: &mut Tree) -> Result<Level, LimitError> {
             }
             // The middle of the face around the vertex is at corner k of a quad, at (0, 0) of other
             // squares.
-            let (square, turn) = if sides == 4 {
-                (FaceSquare::whole(face, unit).quarter(k), k)
+            let (rect, turn) = if sides == 4 {
+                (FaceRect::whole(face, unit).quarter(k), k)
             } else {
-                (FaceSquare::whole(face, unit + k), 0)
+                (FaceRect::whole(face, unit + k), 0)
             };
-            let node = tree.add_root(square, borders(mesh, corner as u32, turn))?;
+            let node = tree.add_root(rect, borders(mesh, corner as u32, turn))?;
             elements.push(Element { first: first_corner(&once, corner as u32, turn), node });
         }
         unit += if sides == 4 { 1 } else { sides };
@@ -154,7 +154,7 @@ fn settle(mesh: &Mesh, elements: &[Element], tree: &mut Tree) -> Result<Option<L
         if corners.iter().all(|&corner| topology.sides(corner) == 4) {
             tree.set_exact(element.node, patch);
         } else if !tree.end(element.node, patch, hull(mesh, corners)) {
-            kept.push((corners, tree.open(element.node, Some(patch))?));
+            kept.push((corners, tree.open(element.node, Some(patch), Cut::Quarters)?));
             marked[topology.vertex(element.first) as usize] = true;
         }
     }

@@ -4,10 +4,11 @@ use super::Cage;
 use super::bicubic::{is_regular, net};
 use super::cage_error::LimitError;
 use super::catmull_clark::refined;
-use super::limit_surface::{FaceSquare, LimitSurface};
+use super::creased::CreasedQuad;
+use super::limit_surface::{FaceRect, LimitSurface};
 use super::mesh::Mesh;
 use super::topology::{NONE, Topology};
-use super::tree::{MAX_LEVELS, Tree, within};
+use super::tree::{Cut, MAX_LEVELS, Tree, within};
 use crate::math::Aabb;
 
 impl Cage {
@@ -15,8 +16,8 @@ impl Cage {
     /// [`LimitSurface`]; [`Cage::default_tolerance`] is a sensible one.
     ///
     /// Regular quads (four around each corner, or the mirrored halves and quarters of that
-    /// at infinitely sharp creases, corners and boundaries) are bicubic patches. The others, and
-    /// their neighbours, are refined (feature-adaptively: Nießner, Loop, Meyer & DeRose 2012) until
+    /// at infinitely sharp creases, corners and boundaries) are bicubic patches. Quads beside a
+    /// semi-sharp crease that goes straight on are a few bicubic strips. The others are refined (feature-adaptively: Nießner, Loop, Meyer & DeRose 2012) until
     /// the remainder is proved to be within the tolerance; then the largest squares that a single
     /// patch fits are used.
     ///
@@ -40,7 +41,7 @@ impl Cage {
         for face in 0..self.face_count() {
             let sides = self.mesh().topology.face(face).len();
             let known = if sides == 4 {
-                Known::Node(tree.add_root(FaceSquare::whole(face, units), borders.of_quad(face))?)
+                Known::Node(tree.add_root(FaceRect::whole(face, units), borders.of_quad(face))?)
             } else {
                 Known::Polygon { face, unit: units }
             };
@@ -63,9 +64,10 @@ impl Cage {
     ///
     /// It bounds the distance at the same (u, v), which near extraordinary vertices is mostly along
     /// the surface. Measured: there, patches of this tolerance are less than 1e-12 of the side off
-    /// the surface, patches of ten times this tolerance about 1e-7. The tolerance is needed for
-    /// semi-sharp creases: a crease of sharpness 6 is rounded over a 64th of a face, in as many
-    /// patches as that takes; at 1e-3 it would take a tenth as many and be 2e-4 of the side off.
+    /// the surface, patches of ten times this tolerance about 1e-7. The tolerance is needed where
+    /// semi-sharp creases meet, turn or end: there a crease of sharpness 6 is rounded over a 64th of a
+    /// face, in as many patches as that takes; at 1e-3 it would take half as many and be 2e-4 of the
+    /// side off.
     pub fn default_tolerance(&self) -> f64 {
         let size = self.largest_side();
         // A cage very far from the origin, or one without extent, cannot have that tolerance.
@@ -127,7 +129,14 @@ fn settle(
                     continue;
                 }
                 Some(patch) if tree.end(node, patch, hull(mesh, face as usize)) => continue,
-                _ => kept.push((face, Next::Quarters(tree.open(node, patch)?))),
+                _ => {}
+            }
+            match CreasedQuad::of(mesh, face as usize) {
+                Some(quad) => tree.set_strips(node, &quad)?,
+                None => {
+                    let first = tree.open(node, patch, Cut::Quarters)?;
+                    kept.push((face, Next::Quarters(first)));
+                }
             }
         } else if let Known::Polygon { face: cage_face, unit } = known {
             kept.push((face, Next::Units(cage_face, unit)));
@@ -154,7 +163,7 @@ fn settle(
                 Next::Quarters(first) => Known::Node(first + k as u32),
                 Next::Units(face, unit) => {
                     let border = borders.of_corner(face, k);
-                    Known::Node(tree.add_root(FaceSquare::whole(face, unit + k), border)?)
+                    Known::Node(tree.add_root(FaceRect::whole(face, unit + k), border)?)
                 }
             };
             children.push((quad as u32, known));

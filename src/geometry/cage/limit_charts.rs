@@ -4,14 +4,14 @@ use std::borrow::Cow;
 
 use glam::{DVec2, DVec3, DVec4};
 
-use super::limit_surface::{FaceSquare, LimitPatch, LimitSurface, place_order};
+use super::limit_surface::{FaceRect, LimitPatch, LimitSurface, place_order};
 use crate::geometry::{
     Chart, ChartMap, Charts, KnotVector, NurbsSurface, SurfaceDerivatives, bernstein,
 };
 
 impl Charts for LimitSurface {
-    /// The patches, each over its square, shifted along u by the index of its unit square. Where
-    /// other squares adjoin a square's last u or v, that border belongs to them.
+    /// The patches, each over its rectangle, shifted along u by the index of its unit square. Where
+    /// others adjoin a rectangle's last u or v, that border belongs to them.
     fn charts(&self) -> Vec<Chart<'_>> {
         let count = (self.degree + 1) * (self.degree + 1);
         self.patches.iter().zip(self.control.chunks(count)).map(|one| self.chart(one)).collect()
@@ -20,15 +20,15 @@ impl Charts for LimitSurface {
 
 impl LimitSurface {
     fn chart(&self, (patch, points): (&LimitPatch, &[DVec3])) -> Chart<'_> {
-        let FaceSquare { unit, low, side, .. } = patch.square;
-        let knots = |start: f64| {
+        let FaceRect { unit, low, size, .. } = patch.rect;
+        let knots = |start: f64, length: f64| {
             let mut values = vec![start; self.degree + 1];
-            values.extend(std::iter::repeat_n(start + side, self.degree + 1));
+            values.extend(std::iter::repeat_n(start + length, self.degree + 1));
             KnotVector::derived(self.degree, values)
         };
-        let knots = [knots(unit as f64 + low[0]), knots(low[1])];
+        let knots = [knots(unit as f64 + low[0], size[0]), knots(low[1], size[1])];
         let control: Vec<DVec4> = points.iter().map(|point| point.extend(1.0)).collect();
-        let [ends_u, ends_v] = patch.square.ends_unit();
+        let [ends_u, ends_v] = patch.rect.ends_unit();
         let last = unit + 1 == self.unit_count;
         Chart {
             surface: Cow::Owned(NurbsSurface::assembled(knots, control)),
@@ -44,11 +44,22 @@ impl LimitSurface {
         let last = self.unit_count.saturating_sub(1);
         let unit = (uv.x as usize).min(last); // whole numbers below; 0 for NaN
         let wanted = (unit, place_order([uv.x - unit as f64, uv.y]));
-        let after = self.patches.partition_point(|patch| patch.square.order() <= wanted);
-        let index = after.saturating_sub(1);
-        let FaceSquare { unit, low, side, .. } = self.patches[index].square;
-        let at = DVec2::new(uv.x - unit as f64, uv.y);
-        (index, (at - DVec2::from_array(low)) / side)
+        let after = self.patches.partition_point(|patch| patch.rect.square_order() <= wanted);
+        let mut index = after.saturating_sub(1);
+        let place = |index: usize| {
+            let FaceRect { unit, low, size, .. } = self.patches[index].rect;
+            let at = DVec2::new(uv.x - unit as f64, uv.y);
+            (at - DVec2::from_array(low)) / DVec2::from_array(size)
+        };
+        // The last strip of the square is not yet the one before the place.
+        let square = self.patches[index].rect.square_order();
+        while place(index).min_element() < 0.0
+            && index > 0
+            && self.patches[index - 1].rect.square_order() == square
+        {
+            index -= 1;
+        }
+        (index, place(index))
     }
 
     /// The point at (u, v).
@@ -63,15 +74,15 @@ impl LimitSurface {
     pub fn derivatives(&self, uv: DVec2) -> SurfaceDerivatives {
         let (patch, st) = self.find(uv);
         let [[u0, u1, u2], [v0, v1, v2]] = [st.x, st.y].map(|t| self.basis_derivatives(t));
-        let side = self.patches[patch].square.side;
+        let [size_u, size_v] = self.patches[patch].rect.size;
         let sum = |u: &Basis, v: &Basis| self.sum(patch, u, v);
         SurfaceDerivatives {
             point: sum(&u0, &v0),
-            du: sum(&u1, &v0) / side,
-            dv: sum(&u0, &v1) / side,
-            duu: sum(&u2, &v0) / (side * side),
-            duv: sum(&u1, &v1) / (side * side),
-            dvv: sum(&u0, &v2) / (side * side),
+            du: sum(&u1, &v0) / size_u,
+            dv: sum(&u0, &v1) / size_v,
+            duu: sum(&u2, &v0) / (size_u * size_u),
+            duv: sum(&u1, &v1) / (size_u * size_v),
+            dvv: sum(&u0, &v2) / (size_v * size_v),
         }
     }
 
@@ -86,10 +97,11 @@ impl LimitSurface {
     /// Whether a place is on a border, up to the rounding of u and v.
     pub fn on_border(&self, uv: DVec2) -> bool {
         let (patch, st) = self.find(uv);
-        let LimitPatch { square, border, .. } = self.patches[patch];
-        let near = 2.0 * f64::EPSILON * uv.abs().max_element().max(1.0) / square.side;
+        let LimitPatch { rect, border, .. } = self.patches[patch];
+        let rounding = 2.0 * f64::EPSILON * uv.abs().max_element().max(1.0);
         let distances = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
-        border.into_iter().zip(distances).any(|(border, distance)| border && distance <= near)
+        let near = |side: usize| distances[side] <= rounding / rect.size[side / 2];
+        (0..4).any(|side| border[side] && near(side))
     }
 
     fn sum(&self, patch: usize, u: &Basis, v: &Basis) -> DVec3 {

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, DVec4};
 
-use super::limit_surface::{FaceSquare, LimitSurface};
+use super::limit_surface::{FaceRect, LimitSurface};
 use crate::geometry::{Direction, KnotVector, NurbsCurve, bernstein};
 
 impl LimitSurface {
@@ -18,16 +18,16 @@ impl LimitSurface {
             Direction::U => (0, 1),
             Direction::V => (1, 0),
         };
-        let first = self.patches.partition_point(|patch| patch.square.unit < unit);
-        let beyond = self.patches.partition_point(|patch| patch.square.unit <= unit);
+        let first = self.patches.partition_point(|patch| patch.rect.unit < unit);
+        let beyond = self.patches.partition_point(|patch| patch.rect.unit <= unit);
 
         // The patches that the line meets; of two beside it, the one that begins there comes first.
-        let mut met: Vec<(FaceSquare, bool, usize)> = (first..beyond)
+        let mut met: Vec<(FaceRect, bool, usize)> = (first..beyond)
             .filter_map(|index| {
-                let square = self.patches[index].square;
-                let (low, high) = (square.low[fixed], square.low[fixed] + square.side);
+                let rect = self.patches[index].rect;
+                let (low, high) = (rect.low[fixed], rect.high()[fixed]);
                 let ends = at == high;
-                ((low <= at && at < high) || ends).then_some((square, ends, index))
+                ((low <= at && at < high) || ends).then_some((rect, ends, index))
             })
             .collect();
         met.sort_by(|(a, a_ends, _), (b, b_ends, _)| {
@@ -38,12 +38,12 @@ impl LimitSurface {
         let offset = if along == 0 { unit as f64 } else { 0.0 };
         let mut curves: Vec<(Vec<f64>, Vec<DVec4>)> = Vec::new();
         let mut reached = f64::NEG_INFINITY;
-        for (square, _, index) in met {
-            let (low, high) = (square.low[along], square.low[along] + square.side);
+        for (rect, _, index) in met {
+            let (low, high) = (rect.low[along], rect.high()[along]);
             if low < reached {
                 continue; // beside a patch that is there already
             }
-            let piece = self.piece(index, direction, (at - square.low[fixed]) / square.side);
+            let piece = self.piece(index, direction, (at - rect.low[fixed]) / rect.size[fixed]);
             match curves.last_mut().filter(|_| low == reached) {
                 Some((breaks, control)) => {
                     breaks.push(offset + high);

@@ -9,21 +9,21 @@ use crate::geometry::surface::{Extent, extent};
 use crate::geometry::{KnotVector, MAX_MAGNITUDE, NurbsSurface, SurfaceError};
 
 /// The limit surface of a cage as polynomial Bézier patches, bicubic for Catmull–Clark, biquadratic
-/// for Doo–Sabin. Most patches are exact; those near extraordinary points are within a bound that
-/// is proved for each (see [`LimitPatch::deviation`]).
+/// for Doo–Sabin. Most patches are exact; those near extraordinary points, and where creases meet,
+/// turn or end, are within a bound that is proved for each (see [`LimitPatch::deviation`]).
 ///
 /// There are no gaps: patches of one size share the control points of their common border bit for
 /// bit; where sizes differ, borders agree up to rounding. (To achieve this, borders of patches that
 /// are not exact are moved, within the tolerance.)
 ///
 /// As a whole it is a surface over `(u, v)`: unit square k of the cage's faces, counted as
-/// [`FaceSquare`] says, is `k ≤ u < k + 1`, `0 ≤ v ≤ 1`.
+/// [`FaceRect`] says, is `k ≤ u < k + 1`, `0 ≤ v ≤ 1`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitSurface {
     pub(super) degree: usize,
     tolerance: f64,
     pub(super) unit_count: usize,
-    /// Sorted by place: see [`FaceSquare::order`].
+    /// Sorted by place: see [`FaceRect::order`].
     pub(super) patches: Vec<LimitPatch>,
     pub(super) control: Vec<DVec3>,
     /// The cage.
@@ -34,7 +34,7 @@ pub struct LimitSurface {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimitPatch {
     /// The part of the cage.
-    pub square: FaceSquare,
+    pub rect: FaceRect,
     /// Which sides are borders of the surface: first u, last u, first v, last v.
     pub border: [bool; 4],
     /// Upper bound on the distance between the patch and the limit surface at the same (u, v), in
@@ -44,52 +44,78 @@ pub struct LimitPatch {
     pub exact: bool,
 }
 
-/// A part of a face of a cage: a square of its unit square.
+/// A part of a face of a cage: a rectangle in its unit square. Most are squares; beside straight
+/// semi-sharp creases there are strips, squares that were halved only across the crease.
 ///
 /// A quad has one unit square, with corner 0 at (0, 0), corner 1 at (1, 0), corner 2 at (1, 1). A
 /// face of n ≠ 4 corners has n unit squares, one for each corner: the corner at (0, 0), the face's
 /// middle at (1, 1), the edge that leaves the corner along u. They are counted face after face, as
 /// in Ptex.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FaceSquare {
+pub struct FaceRect {
     /// The face of the cage.
     pub face: usize,
     /// The unit square, counted through all faces.
     pub unit: usize,
     /// The smallest u and v.
     pub low: [f64; 2],
-    /// The side length: a power of ½, so that low and low + side are exact.
-    pub side: f64,
+    /// The lengths of the sides: powers of ½, so that low and low + size are exact.
+    pub size: [f64; 2],
 }
 
-impl FaceSquare {
+impl FaceRect {
     /// The whole unit square with index `unit`.
     pub(super) fn whole(face: usize, unit: usize) -> Self {
-        Self { face, unit, low: [0.0; 2], side: 1.0 }
+        Self { face, unit, low: [0.0; 2], size: [1.0; 2] }
     }
 
     /// The quarter at corner k.
     pub(super) fn quarter(&self, k: usize) -> Self {
-        let side = 0.5 * self.side;
-        let (u, v) = (f64::from(u8::from(k == 1 || k == 2)), f64::from(u8::from(k >= 2)));
-        Self { low: [self.low[0] + u * side, self.low[1] + v * side], side, ..*self }
+        self.half(0, k == 1 || k == 2).half(1, k >= 2)
     }
 
-    /// Sort key for squares that do not overlap: the square that contains a place is the last one
-    /// not after that place. Sorts by unit square, then by the interleaved bits of v and u (Morton
-    /// order).
-    pub(super) fn order(&self) -> (usize, u128) {
-        (self.unit, place_order(self.low))
+    /// The lower or the upper half along an axis, 0 for u, 1 for v.
+    pub(super) fn half(mut self, axis: usize, upper: bool) -> Self {
+        self.size[axis] *= 0.5;
+        self.low[axis] += if upper { self.size[axis] } else { 0.0 };
+        self
     }
 
-    /// Whether the square ends where its unit square does, in u and in v.
+    /// The square that the rectangle was halved from: itself, or that of a strip.
+    pub(super) fn square(mut self) -> Self {
+        let side = self.size[0].max(self.size[1]);
+        self.low = self.low.map(|low| (low / side).floor() * side);
+        self.size = [side; 2];
+        self
+    }
+
+    /// Sort key for rectangles that do not overlap. Sorts by unit square, then by the interleaved
+    /// bits of v and u (Morton order) where the rectangle's [`square`](Self::square) begins, then
+    /// by place within that.
+    pub(super) fn order(&self) -> (usize, u128, [u64; 2]) {
+        let (unit, place) = self.square_order();
+        (unit, place, self.low.map(f64::to_bits))
+    }
+
+    /// The part of [`order`](Self::order) that strips of one square have in common. Of squares, the
+    /// one that contains a place is the last one not after that place.
+    pub(super) fn square_order(&self) -> (usize, u128) {
+        (self.unit, place_order(self.square().low))
+    }
+
+    /// Where the rectangle ends.
+    pub(super) fn high(&self) -> [f64; 2] {
+        self.unit_uv(1.0, 1.0)
+    }
+
+    /// Whether the rectangle ends where its unit square does, in u and in v.
     pub(super) fn ends_unit(&self) -> [bool; 2] {
-        self.low.map(|low| low + self.side == 1.0)
+        self.high().map(|high| high == 1.0)
     }
 
     /// The place in the unit square that corresponds to a patch's (u, v) in [0, 1]².
     pub fn unit_uv(&self, u: f64, v: f64) -> [f64; 2] {
-        [self.low[0] + self.side * u, self.low[1] + self.side * v]
+        [self.low[0] + self.size[0] * u, self.low[1] + self.size[1] * v]
     }
 }
 
@@ -189,13 +215,14 @@ impl LimitSurface {
             .patches
             .iter()
             .map(|patch| {
-                let ([u, v], [u0, u1, v0, v1]) = (patch.square.low, patch.border);
-                let square = FaceSquare { low: [v, u], ..patch.square };
-                LimitPatch { square, border: [v0, v1, u0, u1], ..*patch }
+                let ([u, v], [u0, u1, v0, v1]) = (patch.rect.low, patch.border);
+                let [size_u, size_v] = patch.rect.size;
+                let rect = FaceRect { low: [v, u], size: [size_v, size_u], ..patch.rect };
+                LimitPatch { rect, border: [v0, v1, u0, u1], ..*patch }
             })
             .zip(self.control.chunks(count))
             .collect();
-        turned.sort_by_key(|(patch, _)| patch.square.order());
+        turned.sort_by_key(|(patch, _)| patch.rect.order());
         let mut surface =
             Self::empty(self.degree, self.tolerance, self.unit_count, self.net.clone());
         let n = self.degree + 1;

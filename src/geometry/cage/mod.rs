@@ -20,9 +20,9 @@
 //! assert!(limit.patches().len() >= 12 && limit.deviation() <= 0.5e-4);
 //!
 //! // A patch knows the part of the cage it is.
-//! let square = limit.patches()[0].square;
-//! assert_eq!((square.face, square.unit), (0, 0));
-//! assert!(square.unit_uv(1.0, 1.0)[0] <= 1.0);
+//! let rect = limit.patches()[0].rect;
+//! assert_eq!((rect.face, rect.unit), (0, 0));
+//! assert!(rect.unit_uv(1.0, 1.0)[0] <= 1.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -31,6 +31,7 @@ mod bicubic;
 mod biquadratic;
 mod cage_error;
 mod catmull_clark;
+mod creased;
 mod doo_sabin;
 mod isolate;
 mod limit_charts;
@@ -46,7 +47,7 @@ mod vertex_rule;
 
 pub use authored::{BoundaryRule, Cage, CageParts, Corner, Crease};
 pub use cage_error::{CageError, Feature, LimitError};
-pub use limit_surface::{FaceSquare, LimitPatch, LimitSurface};
+pub use limit_surface::{FaceRect, LimitPatch, LimitSurface};
 pub use limits::LimitPoint;
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use super::mesh::Mesh;
 use super::topology::Topology;
 use super::tree::halve;
 
-/// A line on the cage along which squares lie.
+/// A line on the cage along which patches lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Line {
     /// An edge of the cage, directed from the vertex of its first corner.
@@ -20,7 +20,7 @@ enum Line {
     Inside { unit: usize, axis: usize, at: u64 },
 }
 
-/// A point of the cage at which squares have corners; parameters are stored as bits.
+/// A point of the cage at which patches have corners; parameters are stored as bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Spot {
     Vertex(u32),
@@ -41,6 +41,8 @@ struct Side {
     reversed: bool,
     /// Its length relative to the side of a quad; squares of other faces are half as large.
     length: f64,
+    /// When it is settled: long ones first, see [`close`].
+    rank: f64,
     exact: bool,
     patch: usize,
     /// The index of the side, as for borders: first u, last u, first v, last v.
@@ -53,8 +55,10 @@ struct Side {
 /// stay.
 ///
 /// On every line the longest sides are kept, and among equally long ones the exact one; shorter
-/// ones follow them. Ends are settled before the shorter sides that end there: a point within a
-/// side is the corner of squares at most half as long.
+/// ones follow them. A side is settled before those that end within it: these belong to squares at
+/// most half as long, or lie between two strips of a square. A side between strips comes after the
+/// sides of squares longer than the strips are wide: where it ends, strips begin at a multiple of
+/// their width, which the side of a square contains only if it is twice as long or longer.
 ///
 /// Moving a patch adds to its deviation at most the largest distance by which a control point
 /// moved.
@@ -119,7 +123,7 @@ fn groups(surface: &LimitSurface, layout: &Layout<'_>) -> Vec<(Side, Vec<Side>)>
             }
         }
     }
-    groups.sort_by(|(a, _), (b, _)| b.length.total_cmp(&a.length));
+    groups.sort_by(|(a, _), (b, _)| b.rank.total_cmp(&a.rank));
     groups
 }
 
@@ -183,14 +187,19 @@ impl<'a> Layout<'a> {
     }
 
     fn side(&self, surface: &LimitSurface, patch: usize, side: usize) -> Side {
-        let LimitPatch { square, exact, .. } = surface.patches[patch];
+        let LimitPatch { rect, exact, .. } = surface.patches[patch];
         let axis = side / 2;
-        let fixed = square.low[axis] + if side % 2 == 1 { square.side } else { 0.0 };
-        let along = [0.0, square.side].map(|step| square.low[1 - axis] + step);
-        let (line, reversed, [a, b]) = self.line(square.unit, axis, fixed, along);
+        let (low, high) = (rect.low, rect.high());
+        let fixed = if side % 2 == 1 { high[axis] } else { low[axis] };
+        let along = [low[1 - axis], high[1 - axis]];
+        let (line, reversed, [a, b]) = self.line(rect.unit, axis, fixed, along);
         let (from, to) = if reversed { (b, a) } else { (a, b) };
-        let scale = if self.units[square.unit].1 { 1.0 } else { 0.5 };
-        Side { line, from, to, reversed, length: scale * square.side, exact, patch, side }
+        let scale = if self.units[rect.unit].1 { 1.0 } else { 0.5 };
+        let length = scale * rect.size[1 - axis];
+        let square = rect.square();
+        let between_strips = fixed != square.low[axis] && fixed != square.high()[axis];
+        let rank = if between_strips { scale * rect.size[axis] } else { length };
+        Side { line, from, to, reversed, length, rank, exact, patch, side }
     }
 
     /// The line `u = fixed` or `v = fixed` of a unit square, whether it runs against the other
@@ -222,13 +231,14 @@ impl<'a> Layout<'a> {
 
     /// The points at which a side begins and ends, along its line.
     fn ends(&self, surface: &LimitSurface, side: &Side) -> [Spot; 2] {
-        let square = surface.patches[side.patch].square;
+        let rect = surface.patches[side.patch].rect;
+        let (low, high) = (rect.low, rect.high());
         let axis = side.side / 2;
         let end = |upper: bool| {
-            let mut at = square.low;
-            at[axis] += if side.side % 2 == 1 { square.side } else { 0.0 };
-            at[1 - axis] += if upper { square.side } else { 0.0 };
-            self.spot(square.unit, at)
+            let mut at = low;
+            at[axis] = if side.side % 2 == 1 { high[axis] } else { low[axis] };
+            at[1 - axis] = if upper { high[1 - axis] } else { low[1 - axis] };
+            self.spot(rect.unit, at)
         };
         [end(side.reversed), end(!side.reversed)]
     }

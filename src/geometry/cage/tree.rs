@@ -1,10 +1,11 @@
-//! Squares of faces, halved repeatedly until a Bézier patch is the surface or near it.
+//! Squares of faces, cut repeatedly until a Bézier patch is the surface or near it.
 
 use glam::DVec3;
 
 use super::Cage;
 use super::cage_error::LimitError;
-use super::limit_surface::{FaceSquare, LimitPatch, LimitSurface};
+use super::creased::{CreasedQuad, Strips};
+use super::limit_surface::{FaceRect, LimitPatch, LimitSurface};
 use super::mesh::Mesh;
 use super::seams;
 use super::topology::Topology;
@@ -13,49 +14,74 @@ use crate::math::Aabb;
 /// The control points of a patch, v fastest; `(degree + 1)²` of them are in use.
 pub(super) type Net = [DVec3; 16];
 
-/// How well a square is known.
+/// How well a rectangle is known.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     /// The patch is the surface.
     Exact,
-    /// The four squares from this one on are more accurate; the patch may be near enough.
-    Open { first_child: u32 },
-    /// As `Open`, without a patch.
-    Split { first_child: u32 },
+    /// The parts, from this node on, are more accurate; the patch, if any, may be near enough.
+    Open { first_part: u32, cut: Cut, has_patch: bool },
     /// The surface lies in this box, and the patch lies near it.
     End { hull: Aabb },
 }
 
-/// The squares of all faces: each root covers a face, each other square a quarter of its parent.
+/// How a rectangle is cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Cut {
+    /// Into four; quarter k is the one at corner k: (0, 0), (1, 0), (1, 1), (0, 1).
+    Quarters,
+    /// Into two halves along an axis, 0 for u, 1 for v, the lower half first.
+    Halves(usize),
+}
+
+impl Cut {
+    /// The parts, in the order of places.
+    fn parts(self) -> &'static [usize] {
+        match self {
+            Self::Quarters => &[0, 1, 3, 2],
+            Self::Halves(_) => &[0, 1],
+        }
+    }
+
+    /// Along each axis, whether a part is the upper half; `None` where it is the whole.
+    fn halves(self, part: usize) -> [Option<bool>; 2] {
+        match self {
+            Self::Quarters => [Some(part == 1 || part == 2), Some(part >= 2)],
+            Self::Halves(axis) => [0, 1].map(|k| (k == axis).then_some(part == 1)),
+        }
+    }
+}
+
+/// The rectangles of all faces: each root covers a face, each other is a part of its parent.
 ///
-/// Quarter k of a square is the one at its corner k: (0, 0), (1, 0), (1, 1), (0, 1).
 #[derive(Clone, Debug)]
 pub(super) struct Tree {
     degree: usize,
     nodes: Vec<(Kind, Net)>,
-    roots: Vec<Root>,
+    /// What is not a part of another.
+    roots: Vec<Place>,
     /// The largest allowed distance of a patch from the surface.
     limit: f64,
     tolerance: f64,
 }
 
-/// A square that is not a quarter of another.
+/// A rectangle with its sides.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Root {
-    pub(super) square: FaceSquare,
+struct Place {
+    rect: FaceRect,
     /// Which sides are borders of the surface.
-    pub(super) border: [bool; 4],
+    border: [bool; 4],
     node: u32,
 }
 
-/// The most squares, 2²²: they take 2 GB.
-const MAX_SQUARES: usize = 1 << 22;
+/// The most rectangles, 2²²: they take 2 GB.
+const MAX_RECTS: usize = 1 << 22;
 
-/// The halving steps after which the corners of squares are no longer exact in f64.
+/// The halving steps after which corners are no longer exact in f64.
 pub(super) const MAX_LEVELS: u32 = 52;
 
 impl Tree {
-    /// A tree without squares. Patches may be at most a share of the tolerance from the surface.
+    /// A tree of nothing. Patches may be at most a share of the tolerance from the surface.
     pub(super) fn new(
         degree: usize,
         (tolerance, share): (f64, f64),
@@ -72,19 +98,19 @@ impl Tree {
     /// Adds a square that is not part of another.
     pub(super) fn add_root(
         &mut self,
-        square: FaceSquare,
+        rect: FaceRect,
         border: [bool; 4],
     ) -> Result<u32, LimitError> {
         let node = self.add(1)?;
-        self.roots.push(Root { square, border, node });
+        self.roots.push(Place { rect, border, node });
         Ok(node)
     }
 
-    /// Adds squares that have no patch yet.
+    /// Adds rectangles that have no patch yet.
     fn add(&mut self, count: usize) -> Result<u32, LimitError> {
         let first = self.nodes.len();
-        if first + count > MAX_SQUARES {
-            let (limit, tolerance) = (MAX_SQUARES, self.tolerance);
+        if first + count > MAX_RECTS {
+            let (limit, tolerance) = (MAX_RECTS, self.tolerance);
             return Err(LimitError::TooManyPatches { limit, tolerance });
         }
         let unknown = (Kind::End { hull: Aabb::EMPTY }, [DVec3::ZERO; 16]);
@@ -92,7 +118,7 @@ impl Tree {
         Ok(first as u32)
     }
 
-    /// Sets the patch of a square that is the surface.
+    /// Sets the patch of a rectangle that is the surface.
     pub(super) fn set_exact(&mut self, node: u32, net: Net) {
         self.nodes[node as usize] = (Kind::Exact, net);
     }
@@ -107,14 +133,34 @@ impl Tree {
         ends
     }
 
-    /// Gives a square its four quarters and, optionally, a patch that may stand for all of them.
-    pub(super) fn open(&mut self, node: u32, net: Option<Net>) -> Result<u32, LimitError> {
-        let first_child = self.add(4)?;
-        self.nodes[node as usize] = match net {
-            Some(net) => (Kind::Open { first_child }, net),
-            None => (Kind::Split { first_child }, [DVec3::ZERO; 16]),
-        };
-        Ok(first_child)
+    /// Cuts a rectangle and, optionally, gives it a patch that may stand for all parts; returns the
+    /// first part.
+    pub(super) fn open(
+        &mut self,
+        node: u32,
+        net: Option<Net>,
+        cut: Cut,
+    ) -> Result<u32, LimitError> {
+        let first_part = self.add(cut.parts().len())?;
+        let has_patch = net.is_some();
+        let kind = Kind::Open { first_part, cut, has_patch };
+        self.nodes[node as usize] = (kind, net.unwrap_or([DVec3::ZERO; 16]));
+        Ok(first_part)
+    }
+
+    /// Gives a square beside a semi-sharp crease its strips.
+    pub(super) fn set_strips(&mut self, node: u32, quad: &CreasedQuad) -> Result<(), LimitError> {
+        match quad.strips() {
+            Strips::One(net) => self.set_exact(node, net),
+            Strips::Halves(halves) => {
+                let near = Some(quad.one_patch());
+                let first = self.open(node, near, Cut::Halves(quad.across()))?;
+                for (half, node) in halves.iter().zip(first..) {
+                    self.set_strips(node, half)?;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Upper bound on the distance between a point of the patch and one in the box.
@@ -124,7 +170,7 @@ impl Tree {
         net[..used].iter().map(far).fold(0.0, f64::max)
     }
 
-    /// Upper bound on the distance of a patch over a square from the surface at the same
+    /// Upper bound on the distance of a patch over a rectangle from the surface at the same
     /// parameters; `None` if it exceeds the limit.
     ///
     /// A difference of Bézier patches is no larger than the largest difference of their control
@@ -138,11 +184,11 @@ impl Tree {
                 pairs.map(|(a, b)| a.distance(*b)).fold(0.0, f64::max)
             }
             Kind::End { hull } => self.farthest_from(net, &hull),
-            Kind::Open { first_child } | Kind::Split { first_child } => {
+            Kind::Open { first_part, cut, .. } => {
                 let mut worst = 0.0_f64;
-                for k in 0..4 {
-                    let quarter = quarter(net, self.degree + 1, k);
-                    worst = worst.max(self.deviation(&quarter, first_child + k as u32)?);
+                for &k in cut.parts() {
+                    let part = part(net, self.degree + 1, cut.halves(k));
+                    worst = worst.max(self.deviation(&part, first_part + k as u32)?);
                 }
                 worst
             }
@@ -150,18 +196,18 @@ impl Tree {
         (found <= self.limit).then_some(found)
     }
 
-    /// The patches: the fewest squares that are within the limit.
+    /// The patches: the fewest rectangles that are within the limit.
     pub(super) fn patches(&self, cage: &Mesh) -> Result<LimitSurface, LimitError> {
         let units = unit_count(&cage.topology);
         let mut surface =
             LimitSurface::empty(self.degree, self.tolerance, units, cage.control_net());
         let mut roots = self.roots.clone();
-        roots.sort_by_key(|root| root.square.order()); // faces of n ≠ 4 corners came later
+        roots.sort_by_key(|root| root.rect.order()); // faces of n ≠ 4 corners came later
         for root in &roots {
             self.collect(root, &mut surface);
         }
-        // u counts unit squares and must still distinguish the places within the smallest squares.
-        let smallest = surface.patches.iter().map(|patch| patch.square.side).fold(1.0, f64::min);
+        // u counts unit squares and must still distinguish the places within the smallest patches.
+        let smallest = surface.patches.iter().flat_map(|p| p.rect.size).fold(1.0, f64::min);
         if smallest < units as f64 * SMALLEST_SIDE {
             let levels = -smallest.log2() as u32;
             return Err(LimitError::TooDeep { tolerance: self.tolerance, levels });
@@ -169,40 +215,33 @@ impl Tree {
         Ok(surface)
     }
 
-    fn collect(&self, root: &Root, surface: &mut LimitSurface) {
-        let Root { square, border, node } = *root;
+    fn collect(&self, place: &Place, surface: &mut LimitSurface) {
+        let Place { rect, border, node } = *place;
         let (kind, net) = &self.nodes[node as usize];
-        let (deviation, children) = match *kind {
-            Kind::Exact => (Some(0.0), None),
-            Kind::End { hull } => (Some(self.farthest_from(net, &hull)), None),
-            Kind::Open { first_child } => (self.deviation(net, node), Some(first_child)),
-            Kind::Split { first_child } => (None, Some(first_child)),
+        let deviation = match *kind {
+            Kind::Exact => Some(0.0),
+            Kind::End { hull } => Some(self.farthest_from(net, &hull)),
+            Kind::Open { has_patch, .. } => has_patch.then(|| self.deviation(net, node)).flatten(),
         };
         let used = (self.degree + 1) * (self.degree + 1);
-        match (deviation, children) {
-            (Some(deviation), _) => {
-                let exact = matches!(kind, Kind::Exact);
-                surface.push(LimitPatch { square, border, deviation, exact }, &net[..used]);
-            }
-            (None, Some(first)) => {
-                // In the order of places.
-                for k in [0, 1, 3, 2] {
-                    let node = first + k as u32;
-                    let square = square.quarter(k);
-                    // Quarter k keeps those sides that meet at corner k.
-                    let (u, v) = (usize::from(k == 1 || k == 2), usize::from(k >= 2));
-                    let mut kept = [false; 4];
-                    kept[u] = border[u];
-                    kept[2 + v] = border[2 + v];
-                    self.collect(&Root { square, border: kept, node }, surface);
+        if let Some(deviation) = deviation {
+            let exact = matches!(kind, Kind::Exact);
+            surface.push(LimitPatch { rect, border, deviation, exact }, &net[..used]);
+        } else if let Kind::Open { first_part, cut, .. } = *kind {
+            for &part in cut.parts() {
+                let (mut rect, mut border) = (rect, border);
+                for (axis, half) in cut.halves(part).into_iter().enumerate() {
+                    let Some(upper) = half else { continue };
+                    rect = rect.half(axis, upper);
+                    border[2 * axis + usize::from(!upper)] = false; // a cut
                 }
+                self.collect(&Place { rect, border, node: first_part + part as u32 }, surface);
             }
-            (None, None) => {}
         }
     }
 }
 
-/// The smallest side of a square, per unit square: 2⁸ places within it can be told apart.
+/// The smallest side of a patch, per unit square: 2⁸ places within it can be told apart.
 const SMALLEST_SIDE: f64 = 1.0 / (1_u64 << 44) as f64;
 
 /// The number of unit squares of all faces.
@@ -235,16 +274,19 @@ pub(super) fn within(
     Err(LimitError::TooDeep { tolerance, levels: MAX_LEVELS })
 }
 
-/// The control points of a quarter of a patch with n × n points: de Casteljau at the middle,
-/// in u and in v.
-fn quarter(net: &Net, n: usize, k: usize) -> Net {
+/// The control points of a part of a patch with n × n points, the upper, the lower half or the whole
+/// in u and in v: de Casteljau at the middle.
+fn part(net: &Net, n: usize, halves: [Option<bool>; 2]) -> Net {
     let mut result = *net;
-    let upper = [k == 1 || k == 2, k >= 2];
     for line in 0..n {
-        halve(&mut result, n, (line, n), upper[0]);
+        if let Some(upper) = halves[0] {
+            halve(&mut result, n, (line, n), upper);
+        }
     }
     for line in 0..n {
-        halve(&mut result, n, (line * n, 1), upper[1]);
+        if let Some(upper) = halves[1] {
+            halve(&mut result, n, (line * n, 1), upper);
+        }
     }
     result
 }

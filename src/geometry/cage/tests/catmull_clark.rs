@@ -7,15 +7,15 @@ use crate::geometry::KnotVector;
 
 /// The cage after this many steps of refinement, and the squares of its faces, which are quads from
 /// the first step on.
-fn refined_squares(cage: &Cage, steps: usize) -> (Cage, Vec<FaceSquare>) {
+fn refined_squares(cage: &Cage, steps: usize) -> (Cage, Vec<FaceRect>) {
     let sides: Vec<usize> = (0..cage.face_count()).map(|f| cage.face(f).unwrap().len()).collect();
     let mut squares = Vec::new();
     let mut unit = 0;
     for (face, &sides) in sides.iter().enumerate() {
         for k in 0..sides {
             squares.push(match sides {
-                4 => FaceSquare::whole(face, unit).quarter(k),
-                _ => FaceSquare::whole(face, unit + k),
+                4 => FaceRect::whole(face, unit).quarter(k),
+                _ => FaceRect::whole(face, unit + k),
             });
         }
         unit += if sides == 4 { 1 } else { sides };
@@ -218,10 +218,51 @@ fn the_squares_of_a_surface_cover_each_face_once() {
         let limit = cage.catmull_clark(1e-4).unwrap();
         let mut area = vec![0.0; units(&cage).len()];
         for patch in limit.patches() {
-            area[patch.square.unit] += patch.square.side * patch.square.side;
-            assert_eq!(patch.square.face, units(&cage)[patch.square.unit].0, "{name}");
+            area[patch.rect.unit] += patch.rect.size[0] * patch.rect.size[1];
+            assert_eq!(patch.rect.face, units(&cage)[patch.rect.unit].0, "{name}");
         }
         assert!(area.iter().all(|&area| area == 1.0), "{name}: {area:?}");
+    }
+}
+
+#[test]
+fn straight_semi_sharp_creases_are_a_few_strips() {
+    let (nu, nv) = (6, 5);
+    let rings = |creases: &[(usize, f64)]| {
+        let around = |&(j, sharpness): &(usize, f64)| {
+            (0..nu).map(move |i| crease(i * nv + j, (i + 1) % nu * nv + j, sharpness))
+        };
+        let creases = creases.iter().flat_map(around).collect();
+        cage(&CageParts { creases, ..torus_parts(nu, nv) })
+    };
+    let count = |creases: &[(usize, f64)]| {
+        let cage = rings(creases);
+        let limit = cage.catmull_clark(1e-6).unwrap();
+        assert_eq!(limit.exact_count(), limit.patches().len());
+        limit.patches().len()
+    };
+    let plain = nu * nv;
+    assert_eq!(count(&[]), plain);
+    assert_eq!(count(&[(1, SHARP)]), plain);
+    // A strip more for each step, on each side.
+    assert_eq!(count(&[(1, 1.0)]), plain + 2 * nu);
+    assert_eq!(count(&[(1, 5.0)]), plain + 2 * 5 * nu);
+    assert_eq!(count(&[(1, 5.1)]), plain + 2 * 6 * nu);
+    // Between two creases the first halves serve both.
+    assert_eq!(count(&[(1, 3.0), (2, 4.0)]), plain + (3 + 6 + 4) * nu);
+    assert_eq!(count(&[(1, 3.0), (2, SHARP)]), plain + 2 * 3 * nu);
+    // One patch is near enough to stand for all.
+    let rounded = rings(&[(1, 6.0)]);
+    let count = |tolerance| rounded.catmull_clark(tolerance).unwrap().patches().len();
+    assert_eq!([1e-2, 3e-2].map(count), [plain + 2 * 6 * nu, plain]);
+    // Every strip lies where it should: compare with masks.
+    let cage = rings(&[(1, 2.3), (2, 1.0), (4, 0.4)]);
+    let probe = Probe::new(cage.catmull_clark(1e-6).unwrap());
+    let (refined, squares) = refined_squares(&cage, 5);
+    let limits = refined.catmull_clark_limits();
+    for (face, square) in squares.iter().enumerate() {
+        let (point, _) = probe.point(square.unit, square.low).unwrap();
+        assert!(point.distance(limits[face][0].point) < 1e-14);
     }
 }
 

@@ -9,7 +9,7 @@ mod seams;
 
 use glam::DVec3;
 
-use super::{BoundaryRule, Cage, CageParts, Corner, Crease, FaceSquare, LimitSurface};
+use super::{BoundaryRule, Cage, CageParts, Corner, Crease, FaceRect, LimitSurface};
 use crate::geometry::NurbsSurface;
 
 pub(super) const SHARP: f64 = f64::INFINITY;
@@ -90,6 +90,21 @@ pub(super) fn zoo() -> Vec<(&'static str, CageParts)> {
     let sheet = sheet_parts(4, 3, bumpy);
     let mut hole = sheet_parts(5, 5, bumpy);
     hole.faces.remove(5); // an inner vertex becomes a reentrant corner of the border
+    // Along rings of the torus, side by side; ends at the last one, in the middle of a ring.
+    let around = |j: usize, count: usize, sharpness: f64| {
+        (0..count).map(move |i| crease(4 * i + j, 4 * ((i + 1) % 5) + j, sharpness))
+    };
+    let rings = CageParts {
+        creases: around(0, 5, 2.6).chain(around(1, 5, 1.0)).chain(around(2, 3, 3.0)).collect(),
+        ..torus_parts(5, 4)
+    };
+    // From border to border one way, and not as far the other way.
+    let across = |i: usize| crease(5 * i + 2, 5 * (i + 1) + 2, 2.3);
+    let along = |j: usize| crease(15 + j, 15 + j + 1, 4.0);
+    let seams = CageParts {
+        creases: (0..5).map(across).chain((2..4).map(along)).collect(),
+        ..sheet_parts(6, 5, bumpy)
+    };
     let loose = CageParts { boundary: BoundaryRule::EdgeOnly, ..sheet.clone() };
     vec![
         ("cube", cube.clone()),
@@ -118,6 +133,8 @@ pub(super) fn zoo() -> Vec<(&'static str, CageParts)> {
         ("sheet", sheet),
         ("loose sheet", loose),
         ("hole", hole),
+        ("creased rings", rings),
+        ("creased sheet", seams),
     ]
 }
 
@@ -139,12 +156,12 @@ impl Probe {
 
     /// The patch that covers a place, and the place within it.
     pub(super) fn patch(&self, unit: usize, at: [f64; 2]) -> Option<(usize, f64, f64)> {
-        let inside = |s: &FaceSquare| {
-            s.unit == unit && (0..2).all(|d| s.low[d] <= at[d] && at[d] <= s.low[d] + s.side)
+        let inside = |s: &FaceRect| {
+            s.unit == unit && (0..2).all(|d| s.low[d] <= at[d] && at[d] <= s.high()[d])
         };
-        let patch = self.limit.patches().iter().position(|patch| inside(&patch.square))?;
-        let square = self.limit.patches()[patch].square;
-        let [u, v] = [0, 1].map(|d| (at[d] - square.low[d]) / square.side);
+        let patch = self.limit.patches().iter().position(|patch| inside(&patch.rect))?;
+        let rect = self.limit.patches()[patch].rect;
+        let [u, v] = [0, 1].map(|d| (at[d] - rect.low[d]) / rect.size[d]);
         Some((patch, u, v))
     }
 
@@ -160,12 +177,12 @@ impl Probe {
 }
 
 /// The whole squares of a cage's faces.
-pub(super) fn units(cage: &Cage) -> Vec<(usize, FaceSquare)> {
+pub(super) fn units(cage: &Cage) -> Vec<(usize, FaceRect)> {
     let mut units = Vec::new();
     for face in 0..cage.face_count() {
         let sides = cage.face(face).unwrap().len();
         for _ in 0..if sides == 4 { 1 } else { sides } {
-            units.push((face, FaceSquare::whole(face, units.len())));
+            units.push((face, FaceRect::whole(face, units.len())));
         }
     }
     units
