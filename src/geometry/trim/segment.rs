@@ -36,6 +36,8 @@ pub(super) struct Segment {
     /// Whether the loop runs along the segment in the stored direction.
     forward: bool,
     reach: DVec2,
+    /// Whether it lies on the border of the domain.
+    on_border: bool,
     /// The vector perpendicular to the chord, as long as the chord, towards smaller u.
     across: DVec2,
     /// The least and the largest `across · (point − ends[0])` of the control points, grown by the
@@ -88,7 +90,8 @@ impl Segment {
         let [low, high] = offsets.fold([0f64; 2], |[a, b], x| [a.min(x), b.max(x)]);
         let margin = across.abs().dot(reach);
         let band = [low - margin, high + margin];
-        Some(Self { ends, control: control.into(), forward, reach, across, band })
+        let on_border = false;
+        Some(Self { ends, control: control.into(), forward, reach, on_border, across, band })
     }
 
     /// Whether the control points lie so near the chord that a point near the chord is quickly
@@ -126,6 +129,18 @@ impl Segment {
     /// Error bound of the segment: the distance in u and in v to the curve it was cut from.
     pub(super) fn reach(&self) -> DVec2 {
         self.reach
+    }
+
+    /// Finds out whether it lies on the border of a domain, to within `off` in u and in v.
+    pub(super) fn look_for_border(&mut self, domain: &UvBox, off: DVec2) {
+        let UvBox { min, max } = self.bounds();
+        let lies_at = |at: DVec2| ((max - at).max(at - min)).cmple(off + self.reach).any();
+        self.on_border = lies_at(domain.min) || lies_at(domain.max);
+    }
+
+    /// Whether it lies on the border of the domain, where it cuts nothing.
+    pub(super) fn is_on_border(&self) -> bool {
+        self.on_border
     }
 
     /// The rectangle of the two ends, which contains the segment.

@@ -439,6 +439,41 @@ fn rectangles_are_classified_without_error() {
 }
 
 #[test]
+fn what_runs_along_the_border_cuts_nothing() {
+    let domain = TrimDomain::new([-1.0, 3.0], [0.0, 0.3]).unwrap();
+    let bounds = domain.bounds();
+    let border = TrimLoop::rectangle(bounds).unwrap();
+    // The left half is cut off, and so is a notch at the upper border.
+    let half = polygon(&[(-1.0, 0.0), (1.0, 0.0), (1.0, 0.3), (-1.0, 0.3)]);
+    let notch = polygon(&[(1.5, 0.3), (2.5, 0.3), (2.5, 0.2), (1.5, 0.2)]);
+    for turned in [false, true] {
+        let classify = |loops: &[TrimLoop], u: [f64; 2], v: [f64; 2]| {
+            let trims = Trims::new(domain, Kept::Odd, loops).unwrap();
+            let (trims, u) = if turned {
+                (trims.reversed_u([5.0, 9.0]), [8.0 - u[1], 8.0 - u[0]])
+            } else {
+                (trims, u)
+            };
+            trims.classify(&UvBox::new(u, v))
+        };
+        let whole = [border.clone()];
+        let cut = [border.clone(), half.clone(), notch.clone()];
+        assert_eq!(classify(&whole, [-1.0, 3.0], [0.0, 0.3]), Coverage::Inside);
+        assert_eq!(classify(&cut, [-1.0, 0.9], [0.0, 0.3]), Coverage::Outside);
+        assert_eq!(classify(&cut, [-1.0, 1.1], [0.0, 0.3]), Coverage::Mixed);
+        assert_eq!(classify(&cut, [1.1, 1.4], [0.0, 0.3]), Coverage::Inside);
+        assert_eq!(classify(&cut, [1.6, 2.4], [0.21, 0.3]), Coverage::Outside);
+        assert_eq!(classify(&cut, [1.1, 3.0], [0.0, 0.19]), Coverage::Inside);
+        assert_eq!(classify(&cut, [1.1, 3.0], [0.0, 0.3]), Coverage::Mixed);
+        // What runs beside the border cuts.
+        for (off, expected) in [(1e-10, Coverage::Mixed), (1e-15, Coverage::Inside)] {
+            let beside = TrimLoop::rectangle(UvBox::new([-1.0, 3.0 - off], [off, 0.3])).unwrap();
+            assert_eq!(classify(&[beside], [-1.0, 3.0], [0.0, 0.3]), expected, "{off:e}");
+        }
+    }
+}
+
+#[test]
 fn nearness_of_a_circle_is_its_distance() {
     let circle = trims(&[TrimLoop::circle(DVec2::new(3.0, 2.0), 1.0).unwrap()]);
     let mut random = Random::new(12);

@@ -18,7 +18,7 @@ pub const MAX_TRIM_SEGMENTS: usize = 1 << 21;
 const MAX_PERIODS: usize = 64;
 
 /// Loops that pass the domain's border by no more than this fraction of its length do not reach
-/// into it.
+/// into it, and curves no farther from it lie on it.
 const TOUCH: f64 = 1e-12;
 
 /// Which side of the loops is kept.
@@ -138,6 +138,7 @@ impl Trims {
                 owners.push(index);
             }
         }
+        look_for_border(&domain, &mut segments);
         let tree = Tree::new(&segments, &ranges);
         check_crossings(&segments, &ranges, &owners, &tree)?;
         for (index, trim_loop) in loops.iter().enumerate() {
@@ -204,11 +205,13 @@ impl Trims {
     /// Where a rectangle of the domain lies.
     ///
     /// `Inside` and `Outside` are proved: no trim curve comes within rounding error of the closed
-    /// rectangle, so [`Trims::contains`] gives the same answer for each of its points. An invalid
-    /// rectangle (`min > max`, NaN) is `Mixed`.
+    /// rectangle, so [`Trims::contains`] gives the same answer for each of its points. Curves along
+    /// the domain's border do not count, as what they cut off is not part of the surface: if they
+    /// run within the domain by less than 1e-12 of its length, so much of it may be cut off. An
+    /// invalid rectangle (`min > max`, NaN) is `Mixed`.
     pub fn classify(&self, rect: &UvBox) -> Coverage {
         let proper = rect.min.cmple(rect.max).all(); // false for NaN
-        if !proper || self.meets(rect) {
+        if !proper || self.cuts(rect) {
             return Coverage::Mixed;
         }
         match self.contains(rect.center()) {
@@ -218,13 +221,26 @@ impl Trims {
         }
     }
 
-    /// Whether a trim curve passes through a rectangle, grown by the curve's rounding error; false
-    /// for NaN.
+    /// Whether any trim curve passes through a rectangle.
+    #[cfg(test)]
     pub(super) fn meets(&self, target: &UvBox) -> bool {
+        self.any_meets(target, |_| true)
+    }
+
+    /// Whether a trim curve that does not lie on the domain's border passes through a rectangle.
+    fn cuts(&self, target: &UvBox) -> bool {
+        self.any_meets(target, |segment| !segment.is_on_border())
+    }
+
+    /// Whether a trim curve that counts passes through a rectangle, grown by the curve's rounding
+    /// error; false for NaN.
+    fn any_meets(&self, target: &UvBox, counts: impl Fn(&Segment) -> bool) -> bool {
         self.tree.any(target, |index| {
             let segment = &self.segments[index];
             let target = target.grown(segment.reach());
-            segment.bounds().meets(&target) && segment.passing(&target) == Passing::Meets
+            counts(segment)
+                && segment.bounds().meets(&target)
+                && segment.passing(&target) == Passing::Meets
         })
     }
 
@@ -243,6 +259,7 @@ impl Trims {
         }
         let tree = Tree::new(&segments, &loops);
         let domain = self.domain.with_range_u(new);
+        look_for_border(&domain, &mut segments);
         Self { domain, kept: self.kept, segments, loops, tree, widest_gap: self.widest_gap }
     }
 
@@ -285,6 +302,13 @@ impl Trims {
     pub(super) fn loop_segments(&self) -> impl Iterator<Item = &[Segment]> {
         self.loops.iter().map(|range| &self.segments[range.clone()])
     }
+}
+
+/// Marks the segments that lie on the domain's border.
+fn look_for_border(domain: &TrimDomain, segments: &mut [Segment]) {
+    let bounds = domain.bounds();
+    let off = TOUCH * bounds.size();
+    segments.iter_mut().for_each(|segment| segment.look_for_border(&bounds, off));
 }
 
 /// The shifts that make a loop reach into the domain: whole periods in periodic directions, zero in
