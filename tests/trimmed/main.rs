@@ -124,6 +124,49 @@ fn a_ray_goes_on_behind_what_is_cut_off() {
     }
 }
 
+#[test]
+fn faces_of_one_plane_do_not_see_each_other() {
+    // A sheet, a disk that fills its hole, and a ceiling. Of the disk's whole plane, the part that
+    // is cut off lies in the sheet, and the other way round.
+    let map = DAffine3::from_rotation_translation(
+        DQuat::from_rotation_x(0.4) * DQuat::from_rotation_z(1.1),
+        DVec3::new(3.0, -1.0, 2.0),
+    );
+    let disk = trimmed(shapes::plane(2.0, 2.0).unwrap(), Kept::Odd, &[circle(0.5, 0.5, 0.3)]);
+    let ceiling = shapes::plane(40.0, 40.0).unwrap();
+    let above = map * DAffine3::from_translation(DVec3::Z);
+    let bvh = build(&[
+        holed().transformed(&map).unwrap().into(),
+        disk.transformed(&map).unwrap().into(),
+        ceiling.transformed(&above).unwrap().into(),
+    ]);
+    let mut random = Random::new(11);
+    let mut tracer = bvh.tracer();
+    let mut seen = [0; 2];
+    let mut upwards = Vec::new();
+    let queries: Vec<Query> = (0..3000)
+        .map(|_| {
+            let place = DVec3::new(random.between(-0.99, 0.99), random.between(-0.99, 0.99), 0.0);
+            let down = Ray::new(map.transform_point3(place + 0.5 * DVec3::Z), -map.matrix3.z_axis);
+            let hit = tracer.first_hit(&down.unwrap()).hit.unwrap();
+            seen[hit.surface as usize] += 1;
+            let direction = random.direction();
+            upwards.push(direction.z);
+            let direction = map.transform_vector3(direction);
+            Query::leaving(Ray::new(hit.point, direction).unwrap(), &hit)
+        })
+        .collect();
+    assert!(seen.iter().all(|&count| count > 500));
+    for (who, hits) in asked(&bvh, &queries) {
+        for (up, hit) in upwards.iter().zip(&hits) {
+            let hit = hit.unwrap_or_else(|| panic!("{who}: a doubt"));
+            // The ceiling ends somewhere.
+            assert!(hit.is_some() || *up < 0.06, "{who}: {up}");
+            assert!(hit.is_none_or(|hit| hit.surface == 2 && *up > 0.0), "{who}: {up} {hit:?}");
+        }
+    }
+}
+
 /// Loops for the parameters of a sphere, in parts of its domain: one across the seam, one
 /// through the middle, one around a pole.
 fn sphere_loops(sphere: &NurbsSurface) -> Vec<TrimLoop> {

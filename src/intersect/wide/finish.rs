@@ -80,17 +80,18 @@ pub(super) fn finish<S: Simd>(
         from_error: if packet.from_roots { Some(from_error) } else { None },
     };
     let best = eight(simd, &packet.z, base);
-    let Verdict { size, z_error, mut undecided, acceptable, near_end } =
+    let Verdict { size, z_error, mut undecided, at_end, acceptable, near_end } =
         root.verdict(simd, &ends, error, certified);
     let tie = acceptable & z.simd_eq(best);
     let mut hit = acceptable & z.simd_lt(best) | earlier(simd, tie, target, packet, base);
     if target.leaf.is_trimmed() {
         // Also asks about roots that cannot be told from the nearest hit: these may lie at an edge.
-        let asked = acceptable & z.simd_le(best + near_end);
+        let asked = acceptable & z.simd_le(best + near_end) | at_end;
         let reach = f64x8::splat(simd, trimmed::EDGE_REACH) * z_error * speed / size;
-        let sides = trim_sides(target, asked, (root_s, root_t), reach);
-        hit &= mask64x8::from_bitmask(simd, sides.inside);
-        undecided |= mask64x8::from_bitmask(simd, sides.edge);
+        let Sides { inside, outside } = trim_sides(target, asked, (root_s, root_t), reach);
+        let [inside, outside] = [inside, outside].map(|bits| mask64x8::from_bitmask(simd, bits));
+        hit &= inside;
+        undecided = (undecided | asked & !inside) & !outside;
     }
 
     let found = hit.any_true();
@@ -223,11 +224,11 @@ fn eight<S: Simd>(simd: S, lanes: &[f64; PACKET], base: usize) -> f64x8<S> {
     f64x8::from_slice(simd, &lanes[base..base + 8])
 }
 
-/// Lanes by their side of the trims.
+/// Lanes by their side of the trims; neither is set for those at an edge.
 #[derive(Clone, Copy, Default)]
 struct Sides {
     inside: u64,
-    edge: u64,
+    outside: u64,
 }
 
 /// The sides of the lanes that are asked for, for roots known to within `reach` in each parameter.
@@ -242,8 +243,8 @@ fn trim_sides<S: Simd>(
     for k in set_bits(asked.to_bitmask()) {
         match target.piece.side(DVec2::new(s[k], t[k]), DVec2::splat(reach[k])) {
             Side::Inside => sides.inside |= 1 << k,
-            Side::Outside => {}
-            Side::Edge { .. } => sides.edge |= 1 << k,
+            Side::Outside => sides.outside |= 1 << k,
+            Side::Edge { .. } => {}
         }
     }
     sides

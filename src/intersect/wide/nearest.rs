@@ -39,6 +39,14 @@ pub(super) fn keep(found: &HitPlace, view: &BvhView<'_>, nearest: Option<&HitPla
     if nearer { Kept::Nearer } else { Kept::Not }
 }
 
+/// Whether trims cut off a root for certain.
+#[inline(always)]
+pub(super) fn is_cut_off(found: &HitPlace, view: &BvhView<'_>) -> bool {
+    let leaf = &view.leaves[found.leaf as usize];
+    leaf.is_trimmed()
+        && trim_side(view.piece_of(found.leaf), found.st, found.z_error) == Side::Outside
+}
+
 /// Whether a leaf comes before another one in the order of pieces and their parts.
 pub(super) fn comes_first(leaves: &[Leaf], leaf: u32, other: u32) -> bool {
     let order = |leaf: u32| {

@@ -421,6 +421,9 @@ pub(super) struct Verdict<S: Simd> {
     pub(super) z_error: f64x8<S>,
     /// The roots that the scalar search must judge.
     pub(super) undecided: mask64x8<S>,
+    /// Those of them that lie on the piece, and are only too near an end of the ray or its start:
+    /// if trims cut them off, nothing is left to be judged.
+    pub(super) at_end: mask64x8<S>,
     /// The roots within the ray's range.
     pub(super) acceptable: mask64x8<S>,
     /// The distance along the ray within which a root cannot be told from an end or another hit.
@@ -459,13 +462,18 @@ impl<S: Simd> Converged<S> {
         let [z_min, z_max] = ends.z;
         clear &= (z.simd_ge(z_min + near_end) | z.simd_le(z_min - near_end))
             & (z.simd_le(z_max - near_end) | z.simd_ge(z_max + near_end));
-        let mut undecided = found & (!on_piece(simd, self.st) | !clear);
+        let mut known = found & on_piece(simd, self.st);
         if !certified {
             // Rounding of a parameter must be small compared with the error; no certificate has
             // checked that.
-            undecided |= found & !(f64x8::splat(simd, COARSEST) * self.speed).simd_le(error);
+            known &= (f64x8::splat(simd, COARSEST) * self.speed).simd_le(error);
         }
+        let undecided = found & !(known & clear);
+        // Without a normal, nothing says how far the root may be off. False for NaN.
+        let infinity = f64x8::splat(simd, f64::INFINITY);
+        let has_normal = size.simd_gt(f64x8::splat(simd, 0.0)) & near_end.simd_lt(infinity);
+        let at_end = known & !clear & has_normal;
         let acceptable = found & !undecided & z.simd_gt(z_min);
-        Verdict { size, z_error, undecided, acceptable, near_end }
+        Verdict { size, z_error, undecided, at_end, acceptable, near_end }
     }
 }

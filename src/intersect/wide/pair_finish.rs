@@ -61,8 +61,9 @@ impl PairLanes {
             root.point[i].store_slice(&mut self.point[i][to.clone()]);
             root.cross[i].store_slice(&mut self.cross[i][to.clone()]);
         }
-        let (met, undecided) = (met.to_bitmask() as u32, verdict.undecided.to_bitmask() as u32);
-        Outcomes { met, undecided, unconverged, steps }
+        let [met, undecided, at_end] =
+            [met, verdict.undecided, verdict.at_end].map(|lanes| lanes.to_bitmask() as u32);
+        Outcomes { met, undecided, at_end, unconverged, steps }
     }
 }
 

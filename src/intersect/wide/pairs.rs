@@ -69,6 +69,9 @@ pub(super) struct Outcomes {
     pub(super) met: u32,
     /// The lanes whose root the scalar search must judge.
     pub(super) undecided: u32,
+    /// Those of them for which trims may cut it off first: see
+    /// [`Verdict::at_end`](super::newton::Verdict::at_end).
+    pub(super) at_end: u32,
     /// The lanes that did not converge.
     pub(super) unconverged: u32,
     /// Newton's steps taken, over all lanes.
@@ -157,6 +160,7 @@ impl PairLanes {
             let done = self.finish(simd, half, wanted, rays, &near);
             all.met |= done.met << (8 * half);
             all.undecided |= done.undecided << (8 * half);
+            all.at_end |= done.at_end << (8 * half);
             all.unconverged |= done.unconverged << (8 * half);
             all.steps += done.steps;
         }

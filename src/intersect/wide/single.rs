@@ -23,7 +23,7 @@ use fearless_simd_macros::simd;
 
 use super::box_ray::{BOX_SPARE, Crossings, Stack, first_entered};
 use super::jets::OneNet;
-use super::nearest::{Kept, keep};
+use super::nearest::{Kept, is_cut_off, keep};
 use super::proof::WIDENED;
 use super::single_finish::{Outcome, Search, finish};
 use super::single_proof::isolate;
@@ -194,7 +194,8 @@ fn search_net<S: Simd>(
             match outcome {
                 Outcome::Missed => return,
                 Outcome::Hit => return work.take(index, ray, view),
-                Outcome::Undecided => return work.undecided.push(index),
+                Outcome::AtEnd if work.has_cut_off(index, view) => return,
+                Outcome::AtEnd | Outcome::Undecided => return work.undecided.push(index),
                 Outcome::NotFound => {}
             }
         }
@@ -226,7 +227,8 @@ fn search_by_proof<S: Simd>(
         match outcome {
             Outcome::Missed => {}
             Outcome::Hit => work.take(index, ray, view),
-            Outcome::Undecided | Outcome::NotFound => {
+            Outcome::AtEnd if work.has_cut_off(index, view) => {}
+            Outcome::AtEnd | Outcome::Undecided | Outcome::NotFound => {
                 work.undecided.push(index);
                 return;
             }
@@ -252,6 +254,13 @@ impl SingleWork {
     #[inline(always)]
     fn other(&mut self) -> &mut SingleHit {
         &mut self.hits[1 - self.best]
+    }
+
+    /// Whether trims cut off the root of a leaf that was put into [`Self::other`].
+    #[inline(always)]
+    fn has_cut_off(&mut self, leaf: u32, view: &BvhView<'_>) -> bool {
+        self.other().leaf = leaf;
+        is_cut_off(&self.other().place(), view)
     }
 
     /// Takes the hit of a leaf that was put into [`Self::other`].

@@ -43,6 +43,9 @@ pub(super) enum Outcome {
     Hit,
     /// A root that the scalar search must judge.
     Undecided,
+    /// A root on the piece that is only too near an end of the ray or its start: if trims cut it off,
+    /// the leaf is missed, else the scalar search must judge it.
+    AtEnd,
     /// Newton's iteration does not converge.
     NotFound,
 }
@@ -228,7 +231,8 @@ struct FoundRoot {
     tangents: Tangents,
 }
 
-/// Judges whether a root of the leaf is a hit, which is then put into `found`.
+/// Judges whether a root of the leaf is a hit, which is then put into `found`; of a root at an end
+/// of the ray, its place is.
 #[inline(always)]
 fn judge(
     root: &FoundRoot,
@@ -252,13 +256,18 @@ fn judge(
     // has checked that.
     let speed = sum_of_sizes(*along_x) * half[1] + sum_of_sizes(*along_y) * half[0];
     let fine = COARSEST * speed <= error * half[0] * half[1];
-    if !(on_piece && clear && fine) {
+    if !(on_piece && fine) {
         return Outcome::Undecided;
+    }
+    (found.z, found.z_error, found.st) = (z, z_error, st);
+    if !clear {
+        // Without a normal, nothing says how far the root may be off. False for NaN.
+        let has_normal = size > 0.0 && reach < f64::INFINITY;
+        return if has_normal { Outcome::AtEnd } else { Outcome::Undecided };
     }
     if !(z > z_min && z < z_max) {
         return Outcome::Missed;
     }
-    (found.z, found.z_error, found.st) = (z, z_error, st);
     (found.point, found.cross, found.size) = (*point, *cross, size);
     Outcome::Hit
 }

@@ -12,7 +12,7 @@ use super::LANES;
 use super::box_ray::{BOX_SPARE, BoxRay, Crossings, Stack, first_entered, push_unforeseen};
 use super::form::Form;
 use super::frames::{Frames, Narrow};
-use super::nearest::{Kept, keep};
+use super::nearest::{Kept, is_cut_off, keep};
 use super::pairs::{Pair, PairLanes};
 use super::single::{SingleWork, search_ahead};
 use super::single_ray::{Guess, HitPlace, SingleHit, SingleRay, boxes_in};
@@ -464,7 +464,9 @@ fn search_pairs<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stre
         statistics.newton_iterations += u64::from(outcomes.steps);
         for (lane, pair) in group.iter().enumerate() {
             let flight = &mut flights[pair.ray as usize];
-            flight.alone |= has(outcomes.undecided, lane);
+            let cut_off =
+                has(outcomes.at_end, lane) && is_cut_off(&lanes.place(lane, pair.leaf), view);
+            flight.alone |= has(outcomes.undecided, lane) && !cut_off;
             if has(outcomes.met, lane) {
                 if flight.takes(view, &lanes.place(lane, pair.leaf), *wanted) {
                     lanes.put(lane, pair.leaf, &mut flight.hit);
