@@ -2,14 +2,14 @@
 //!
 //! | group | what of `intersect` it asks |
 //! |---|---|
-//! | `packets` | `packets`, `wide/packet`, `wide/search`, `wide/finish`; on kernel scalar `leaf_search` |
-//! | `streams` | `streams`, `wide/stream`, `wide/pairs` |
-//! | `single` | `singles`, `wide/single_*`; on kernel scalar `leaf_search` and `newton` |
+//! | `packets` | `tracer/packets`, `wide/packet`, `wide/distances`, `wide/finish`; on kernel scalar `scalar/leaf_search` |
+//! | `streams` | `tracer/streams`, `wide/stream`, `wide/pairs` |
+//! | `single` | `tracer/singles`, `wide/single_*`; on kernel scalar `scalar/leaf_search` and `scalar/newton` |
 //! | `shadows` | any hit instead of the first, of rays that leave a hit; in packets |
 //! | `silhouette` | `wide/lane_proof` and `wide/single_proof`, and the exact solver for what they leave |
-//! | `hierarchy` | `hierarchy`, `traverse`, `wide/traverse`, and the leaves' boxes: rays that meet nothing |
+//! | `hierarchy` | `tree`, `scalar/traverse`, `wide/traverse`, and the leaves' boxes: rays that meet nothing |
 //! | `exact` | `exact` alone |
-//! | `all` | all hits: `exact` and `crossings` |
+//! | `all` | all hits: `exact` and `crossings/merge` |
 //! | `build` | `bvh` and `tree`, and the leaves of `patch` |
 //!
 //! `cargo bench --bench instructions` says how many instructions the kernels take; `nurbray bench`

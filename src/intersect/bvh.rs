@@ -6,8 +6,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::coherence::leaf_width;
-use super::regions::tree_over;
-use super::tree::Tree;
+use super::tree::nodes::Tree;
+use super::tree::regions::tree_over;
 use super::wide::BLUR;
 use super::{Kernel, Tracer};
 use crate::geometry::Charts;

@@ -19,13 +19,23 @@
 //!
 //! # What is computed, why it is certain, how it is made fast
 //!
-//! The scalar [`Kernel`] is the readable specification: `traverse` finds leaves, `leaf_search`
-//! finds the roots of a ray on a leaf, by `newton` or the `exact` solver, and `tracer` turns roots
-//! into answers.
+//! Beside the public types, each in a file of its own, there are these folders, in reading order:
+//!
+//! | | |
+//! |---|---|
+//! | `tree` | the hierarchy of boxes that all kernels traverse |
+//! | `scalar` | what is computed: the readable specification |
+//! | `crossings` | which roots count as hits, and which of them are one crossing |
+//! | `exact` | why it is certain: the exact solver |
+//! | `wide` | how it is made fast: the other kernels, and their proofs |
+//! | `tracer` | how a tracer asks those kernels, and puts answers together |
+//!
+//! The scalar [`Kernel`] is the readable specification: `scalar` finds leaves, and the roots of a
+//! ray on a leaf by Newton's iteration or the `exact` solver; `tracer` turns roots into answers.
 //!
 //! Answers are certain because of two proofs: one per leaf, made once (its certificate: which rays
 //! meet the leaf at most once), and one per ray (the `exact` solver's test of existence and
-//! uniqueness). `borders` says which roots count where surfaces end. The fast kernels add three
+//! uniqueness). `crossings` says which roots count where surfaces end. The fast kernels add three
 //! proofs of their own, described in `wide`: what a leaf's approximation proves about one ray
 //! (`single_proof`) or about its only root (`screen`), and when a ray that leaves a leaf cannot
 //! come back to it (`departure`).
@@ -34,10 +44,10 @@
 //! and search sixteen rays at a time in f32. For first hits of incoherent batches they search
 //! sixteen pairs of a ray and a leaf at a time, in large scenes for occlusion, too; for one ray,
 //! or else for the occlusion of incoherent batches, they test sixteen boxes at a time. Things that
-//! are small compared with the scene are searched in coordinates of their own (`regions`), since
-//! f32 would not resolve them otherwise. Each hit is finished in f64 on the true surface. What
-//! neither the certificate nor those proofs decide goes to the scalar search. The answer for a ray
-//! does not depend on its neighbours.
+//! are small compared with the scene are searched in coordinates of their own (regions of the
+//! `tree`), since f32 would not resolve them otherwise. Each hit is finished in f64 on the true
+//! surface. What neither the certificate nor those proofs decide goes to the scalar search. The
+//! answer for a ray does not depend on its neighbours.
 //!
 //! [`Tracer::all_hits`] is the scalar search of all leaves that a ray may meet.
 //! [`Tracer::exact_first_hit`] and [`Tracer::exact_all_hits`] use the exact solver alone; the
@@ -74,34 +84,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod accept;
-mod borders;
 mod bvh;
 mod coherence;
-mod collapse;
 mod crossings;
 mod exact;
-mod faces;
-mod grazing;
-mod hierarchy;
 mod hit;
-mod hull;
-mod kept_pole;
 mod kernel;
-mod leaf_search;
-mod meeting;
-mod newton;
-mod packets;
 mod read_ahead;
-mod regions;
-mod same_place;
-mod singles;
+mod scalar;
 mod statistics;
-mod streams;
 mod tracer;
-mod traverse;
 mod tree;
-mod vertices;
 mod wide;
 
 pub use bvh::SurfaceBvh;

@@ -1,18 +1,26 @@
 //! Queries: first hit, any hit, all hits.
+//!
+//! The scalar search is asked here. The fast kernels are asked in three ways, and the scalar search
+//! about what they leave undecided: one ray at a time (`singles`), in `packets` if rays are
+//! coherent, and else in `streams`.
+
+mod packets;
+mod singles;
+mod streams;
 
 use std::fmt;
 
 use fearless_simd::Level;
 use glam::DVec3;
 
-use super::accept::AROUND;
-use super::leaf_search;
-use super::meeting::{Findings, Meeting, PlacedLeaf, Question};
-use super::tree::ChildCode;
+use super::crossings::merge::merge;
+use super::scalar::accept::AROUND;
+use super::scalar::leaf_search;
+use super::scalar::meeting::{Findings, Meeting, PlacedLeaf, Question};
+use super::tree::nodes::ChildCode;
 use super::wide::{PACKET, Packet, SingleWork, Stream, Work};
 use super::{
     Answer, Coherence, Hit, HitFlags, Kernel, Occlusion, Query, Root, Shot, Statistics, SurfaceBvh,
-    crossings,
 };
 use crate::math::RayFrame;
 use crate::patch::{OrientedBox, Passage, PatchSet};
@@ -22,26 +30,26 @@ use crate::patch::{OrientedBox, Passage, PatchSet};
 /// Answers depend on the ray, the surfaces, the kernel and the way of asking, never on other rays
 /// or on earlier queries.
 pub struct Tracer<'a> {
-    pub(super) bvh: &'a SurfaceBvh,
+    bvh: &'a SurfaceBvh,
     kernel: Kernel,
     /// The kernel's instructions, kept because detecting them takes longer than some rays.
     level: Option<Level>,
-    pub(super) findings: Findings,
+    findings: Findings,
     stack: Vec<(f64, ChildCode)>,
-    pub(super) packets: Box<PacketScratch>,
-    pub(super) single: SingleWork,
-    pub(super) stream: Stream,
+    packets: Box<PacketScratch>,
+    single: SingleWork,
+    stream: Stream,
 }
 
 /// Scratch memory for packets.
 #[derive(Debug)]
-pub(super) struct PacketScratch {
-    pub(super) packet: Packet,
-    pub(super) work: Work,
+struct PacketScratch {
+    packet: Packet,
+    work: Work,
     /// What the scalar search found, with the ray's place in the packet.
-    pub(super) meetings: Vec<(usize, Meeting)>,
+    meetings: Vec<(usize, Meeting)>,
     /// For each ray, the smallest ray parameter at which something may have been missed.
-    pub(super) doubt: [f64; PACKET],
+    doubt: [f64; PACKET],
 }
 
 impl Default for PacketScratch {
@@ -100,7 +108,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// The same by the scalar kernel.
-    pub(super) fn scalar_first(&mut self, query: &Query) -> Answer {
+    fn scalar_first(&mut self, query: &Query) -> Answer {
         self.first(query, leaf_search::search)
     }
 
@@ -118,7 +126,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// The same by the scalar kernel.
-    pub(super) fn scalar_any(&mut self, query: &Query) -> Occlusion {
+    fn scalar_any(&mut self, query: &Query) -> Occlusion {
         let frame = RayFrame::new(&query.ray);
         let question = Question::new(&self.bvh.set, query, &frame);
         self.collect(&question, leaf_search::search, |meetings| {
@@ -164,7 +172,7 @@ impl<'a> Tracer<'a> {
     /// in doubt.
     fn merge(&mut self, axis: DVec3, hits: &mut Vec<Hit>) -> bool {
         let set = &self.bvh.set;
-        crossings::merge(&mut self.findings.meetings, set.pieces(), axis);
+        merge(&mut self.findings.meetings, set.pieces(), axis);
         hits.clear();
         hits.extend(self.findings.meetings.iter().map(|meeting| hit(set, meeting)));
         let certain = self.findings.meetings.iter().all(Meeting::is_certain);
@@ -285,7 +293,7 @@ fn exactly(
 
 impl SurfaceBvh {
     /// A leaf with its piece and the given box, for a search.
-    pub(super) fn place<'b>(&'b self, leaf: u32, oriented: &'b OrientedBox) -> PlacedLeaf<'b> {
+    fn place<'b>(&'b self, leaf: u32, oriented: &'b OrientedBox) -> PlacedLeaf<'b> {
         let leaf = &self.leaves[leaf as usize];
         PlacedLeaf { leaf, oriented, piece: &self.set.pieces()[leaf.piece as usize] }
     }
@@ -296,7 +304,7 @@ impl SurfaceBvh {
 const SAME_PLACE: f64 = 4.0;
 
 /// The first of some meetings, and whether something doubtful could come before it.
-pub(super) fn answer_of<'m>(
+fn answer_of<'m>(
     set: &PatchSet,
     meetings: impl Iterator<Item = &'m Meeting> + Clone,
     doubt: f64,

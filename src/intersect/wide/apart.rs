@@ -10,13 +10,13 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 use fearless_simd_macros::simd;
 
+use super::PACKET;
 use super::box_ray::{BLUR, LEAST_DIRECTION, Slabs};
 use super::load::bounds;
 use super::packet::{Lanes3f, Packet, PacketBounds};
 use super::traverse::enter_block;
 use super::vectors::{lane_bits, load3};
-use super::{LANES, PACKET};
-use crate::intersect::tree::{LeafBlock, Node};
+use crate::intersect::tree::nodes::{LANES, LeafBlock, Node};
 use crate::math::bits::set_bits;
 
 /// All rays.

@@ -3,7 +3,7 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16};
 use fearless_simd_macros::simd;
 
-use crate::intersect::tree::{ChildCode, LANES, LeafBlock, Node};
+use crate::intersect::tree::nodes::{ChildCode, LANES, LeafBlock, Node};
 use crate::math::bits::set_bits;
 use crate::patch::OrientedBox;
 
@@ -340,7 +340,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::intersect::tree::Child;
+    use crate::intersect::tree::nodes::Child;
 
     proptest! {
         #[test]

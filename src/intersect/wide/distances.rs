@@ -4,11 +4,11 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, SimdWiden, f32x16, f64x8};
 use fearless_simd_macros::simd;
 
-use super::LANES;
 use super::convergence::STEPS_IN_F32;
 use super::packet::Packet;
 use super::vectors::{dot_d, load3, load3d};
 use super::view::Fitted;
+use crate::intersect::tree::nodes::LANES;
 use crate::patch::{Leaf, WeightFit};
 
 /// The shortest and the longest last step, in box coordinates, after which the place found is

@@ -8,7 +8,6 @@
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, mask32x16, u8x64, u32x16};
 use fearless_simd_macros::simd;
 
-use super::LANES;
 use super::box_ray::BOX_SPARE;
 use super::distances::{LaneDistances, sizes};
 use super::finish::Done;
@@ -24,6 +23,7 @@ use super::target::{Ground, Target};
 use super::traverse::Work;
 use super::vectors::lane_bits;
 use super::view::BvhView;
+use crate::intersect::tree::nodes::LANES;
 use crate::math::bits::set_bits;
 
 /// Room for sixteen pairs that are examined, and for as many that are left over.

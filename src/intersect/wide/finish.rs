@@ -9,10 +9,10 @@ use super::nearest::comes_first;
 use super::newton::{Converged, Ends, Rays, Verdict, newton};
 use super::packet::{Lanes3, Packet};
 use super::target::{Closer, Ground, Ground8, Target};
-use super::trimmed;
 use super::vectors::{dot_d, load3d};
-use super::{LANES, PACKET};
+use super::{PACKET, trimmed};
 use crate::geometry::trim::Side;
+use crate::intersect::tree::nodes::LANES;
 use crate::math::bits::{has, set_bits};
 use crate::patch::Piece;
 

@@ -3,12 +3,12 @@
 use fearless_simd::{Simd, SimdBase, SimdMask, f64x8, mask64x8};
 use fearless_simd_macros::simd;
 
-use super::LANES;
 use super::form::Form;
 use super::frames::transposed;
 use super::jets::Net;
 use super::power_lines::{LONG, Lines, Shares, coefficients, make_lines};
 use super::spline_net::make;
+use crate::intersect::tree::nodes::LANES;
 use crate::math::bits::has;
 use crate::patch::{
     MOST_DEGREE_BY_POWERS, NetRoom, NetSource, Piece, PieceNet, TensorPatch, ToPowers,

@@ -2,7 +2,7 @@
 
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u8x64, u32x16};
 
-use super::LANES;
+use crate::intersect::tree::nodes::LANES;
 
 /// A tag holds the lane in its lowest bits and, above them, how often the leaf was halved.
 const LANE_BITS: u32 = LANES.trailing_zeros();

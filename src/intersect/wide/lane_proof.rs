@@ -8,7 +8,6 @@
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u8x64};
 use fearless_simd_macros::simd;
 
-use super::LANES;
 use super::cubic::{bernstein, moved, slope_weights};
 use super::distances::LaneDistances;
 use super::lane_parts::{LaneParts, Sixteen};
@@ -16,6 +15,7 @@ use super::proof::{
     DISTANCE_ROUNDING, GROWN, LeafPart, MAY_STEP, MOST_INVERSE, MOST_NOISE, SMALLEST, UNDERFLOW,
 };
 use super::vectors::lane_bits;
+use crate::intersect::tree::nodes::LANES;
 use crate::math::bits::set_bits;
 
 /// How often a leaf is halved before it is left to the scalar search.

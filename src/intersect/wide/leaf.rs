@@ -3,6 +3,7 @@
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, mask64x8};
 use fearless_simd_macros::simd;
 
+use super::PACKET;
 use super::box_crossing::{BoxCrossing, certify, cross_box};
 use super::distances::widened;
 use super::doubts::settle;
@@ -16,8 +17,8 @@ use super::target::{Closer, Ground, Target};
 use super::traverse::Work;
 use super::vectors::lane_bits;
 use super::view::BvhView;
-use super::{LANES, PACKET};
 use crate::intersect::read_ahead::{Ahead, Moment};
+use crate::intersect::tree::nodes::LANES;
 use crate::math::bits::half_of_sixteen;
 use crate::math::rounding;
 use crate::patch::OrientedBox;

@@ -5,13 +5,14 @@ use std::ops::Range;
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, f64x8};
 use fearless_simd_macros::simd;
 
+use super::PACKET;
 use super::box_ray::BLUR;
 use super::frames::{Frames, Narrow, perpendicular};
 use super::packet::{Packet, PacketBounds};
 use super::vectors::{load3, load3d};
 use super::view::BvhView;
-use super::{LANES, PACKET};
 use crate::intersect::Shot;
+use crate::intersect::tree::nodes::LANES;
 use crate::math::bits::set_bits;
 use crate::patch::ScaledFrame;
 

@@ -16,7 +16,7 @@
 //! proved is left to the scalar search.
 //!
 //! Parts that are small compared with the scene are searched in coordinates of their own (see
-//! [`regions`](super::regions)); all three ways take rays into these coordinates and back.
+//! [`regions`](super::tree::regions)); all three ways take rays into these coordinates and back.
 //!
 //! The result for a ray and a leaf is computed lane by lane, so it does not depend on the other
 //! rays of the packet.
@@ -98,8 +98,6 @@ pub(super) use stream::{FLIGHTS, Stream, trace_stream};
 pub(super) use traverse::{Work, trace};
 pub(super) use view::BvhView;
 pub(super) use wanted::Wanted;
-
-use super::tree::LANES;
 
 /// Rays in a packet: a square of 8 × 8 pixels.
 pub(super) const PACKET: usize = 64;

@@ -7,6 +7,7 @@ use fearless_simd::{
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3, Vec3};
 
+use super::PACKET;
 use super::box_crossing::BoxCrossing;
 use super::box_ray::BOX_SPARE;
 use super::departure::{Departure, Final, MAY_START};
@@ -14,7 +15,7 @@ use super::frames::END_SPARE;
 use super::target::Target;
 use super::vectors::{lane_bits, load3};
 use super::wanted::Wanted;
-use super::{LANES, PACKET};
+use crate::intersect::tree::nodes::LANES;
 use crate::intersect::{Answer, Hit, HitFlags, Root, Shot};
 use crate::math::bits::{half_of_sixteen, has, set_bits};
 

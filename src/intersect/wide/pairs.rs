@@ -7,7 +7,6 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8, mask64x8
 use fearless_simd_macros::simd;
 use glam::DVec2;
 
-use super::LANES;
 use super::distances::{self, LaneDistances};
 use super::form::Form;
 use super::frames::{Frames, perpendicular, transposed};
@@ -18,6 +17,7 @@ use super::single_ray::{Guess, HitPlace, SingleHit};
 use super::vectors::{dot_d, lane_bits};
 use super::view::{BvhView, Fitted};
 use crate::intersect::Shot;
+use crate::intersect::tree::nodes::LANES;
 use crate::math::bits::half_of_sixteen;
 use crate::math::{Ray, rounding};
 use crate::patch::{Leaf, Piece};

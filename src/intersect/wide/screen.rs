@@ -36,7 +36,7 @@ use super::packet::Packet;
 use super::proof::{DISTANCE_ROUNDING, LARGEST, LEAF};
 use super::target::Target;
 use super::vectors::{lane_bits, load3, splat};
-use crate::intersect::newton::{CLEAR, SURELY};
+use crate::intersect::scalar::newton::{CLEAR, SURELY};
 use crate::patch::WIDENING;
 
 /// Half the side of the largest square about the root that was found, in box coordinates.

@@ -7,8 +7,8 @@
 //!   So every leaf that is met before the nearest hit is searched, in whatever order, and the
 //!   nearest of the hits counts: the answer does not depend on the tree.
 //! - In small parts of the scene the same holds in other coordinates (see
-//!   [`regions`](crate::intersect::regions)), to which the ray is converted anew from f64. A ray
-//!   that passes far beside such a part has inaccurate coordinates there, but nothing to meet.
+//!   [`regions`](crate::intersect::tree::regions)), to which the ray is converted anew from f64. A
+//!   ray that passes far beside such a part has inaccurate coordinates there, but nothing to meet.
 //! - A leaf is left as missed where the certificate, or the ray's own proof, leaves at most one
 //!   root in the widened leaf or a part of it, and Newton's iteration on the true surface finds
 //!   that root outside the leaf, beyond a side of the piece by more than any error, outside the
@@ -32,7 +32,7 @@ use super::single_search::Distances;
 use super::spline_net::RecentNets;
 use super::view::{BvhView, Fitted};
 use crate::intersect::Statistics;
-use crate::intersect::tree::Child;
+use crate::intersect::tree::nodes::Child;
 use crate::math::bits::set_bits;
 
 /// Scratch memory and results of tracing one ray.

@@ -8,7 +8,6 @@
 use fearless_simd::{Simd, SimdBase, f32x16, f64x8};
 use fearless_simd_macros::simd;
 
-use super::LANES;
 use super::box_ray::{BOX_SPARE, BoxRay, Crossings, Stack, first_entered, push_unforeseen};
 use super::form::Form;
 use super::frames::{Frames, Narrow};
@@ -19,7 +18,7 @@ use super::single_ray::{Guess, HitPlace, SingleHit, SingleRay, boxes_in};
 use super::start::Start;
 use super::view::BvhView;
 use super::wanted::Wanted;
-use crate::intersect::tree::{Child, ChildCode, Way};
+use crate::intersect::tree::nodes::{Child, ChildCode, LANES, Way};
 use crate::intersect::{Shot, Statistics};
 use crate::math::bits::has;
 use crate::math::{Ray, RayFrame};

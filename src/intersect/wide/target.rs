@@ -11,7 +11,7 @@ use super::newton::{Leaves, Rays, Step};
 use super::proof::WITH_SLACK;
 use super::vectors::dot_d;
 use super::view::{BvhView, Fitted};
-use crate::intersect::newton::{CLEAR, SURELY};
+use crate::intersect::scalar::newton::{CLEAR, SURELY};
 use crate::patch::{BESIDE_COLLAPSED, Leaf, OrientedBox, Piece, WIDENING};
 
 /// A leaf, its piece, and which leaf it is.

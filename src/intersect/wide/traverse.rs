@@ -4,6 +4,7 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 use fearless_simd_macros::simd;
 use glam::Vec3;
 
+use super::PACKET;
 use super::apart::{ALL, Apart};
 use super::box_ray::{first_entered, push_in_order};
 use super::distances::LaneDistances;
@@ -16,9 +17,8 @@ use super::packet::{Packet, PacketBounds};
 use super::spline_net::RecentNets;
 use super::vectors::lane_bits;
 use super::view::BvhView;
-use super::{LANES, PACKET};
 use crate::intersect::read_ahead::{Ahead, Moment};
-use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node, Region};
+use crate::intersect::tree::nodes::{Child, ChildCode, LANES, LeafBlock, Node, Region};
 use crate::intersect::{Shot, Statistics};
 use crate::math::bits::set_bits;
 

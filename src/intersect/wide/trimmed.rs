@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use crate::geometry::trim::Side;
-use crate::intersect::borders::{TRIM_REACH, TRIM_SPARE, trim_reach};
+use crate::intersect::crossings::borders::{TRIM_REACH, TRIM_SPARE, trim_reach};
 use crate::patch::Piece;
 
 /// How near a trim edge must be, in either parameter, in units of the error times the sum of both

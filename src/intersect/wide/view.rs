@@ -1,6 +1,6 @@
 //! What the fast kernels search, and its prefetching.
 
-use crate::intersect::tree::Tree;
+use crate::intersect::tree::nodes::Tree;
 use crate::math::bits::set_bits;
 use crate::math::prefetch;
 use crate::patch::{Leaf, MOST_WEIGHT, PatchSet, Piece, TensorPatch, WeightFit};

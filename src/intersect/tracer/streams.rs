@@ -4,8 +4,8 @@ use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
 
 use super::singles::Certain;
-use super::wide::{FLIGHTS, Wanted, trace_stream};
-use super::{Answer, Occlusion, Shot, Tracer};
+use crate::intersect::wide::{FLIGHTS, Wanted, trace_stream};
+use crate::intersect::{Answer, Occlusion, Shot, Tracer};
 
 impl Tracer<'_> {
     /// First hits of many rays, appended to `answers`.

@@ -2,15 +2,15 @@
 
 use glam::{DVec2, DVec3};
 
-use super::borders::{
+use super::meeting::{Findings, Meeting, PlacedLeaf, Question};
+use crate::geometry::trim::Side;
+use crate::intersect::crossings::borders::{
     TRIM_REACH, TRIM_SPARE, at_border, error_bound, on_piece, rounding_at, trim_reach, trim_side,
 };
-use super::exact::{AT_POLE, END, Proof, STRETCH, Solution, holds};
-use super::grazing::KnownRoot;
-use super::kept_pole::Spot;
-use super::meeting::{Findings, Meeting, PlacedLeaf, Question};
-use super::{HitFlags, Root};
-use crate::geometry::trim::Side;
+use crate::intersect::crossings::grazing::KnownRoot;
+use crate::intersect::crossings::kept_pole::Spot;
+use crate::intersect::exact::{AT_POLE, END, Proof, STRETCH, Solution, holds};
+use crate::intersect::{HitFlags, Root};
 use crate::math::{RayFrame, rounding};
 use crate::patch::{Jet, Leaf, Piece};
 
@@ -306,7 +306,7 @@ fn may_touch(leaf: &Leaf, jet: &Jet, cosine: f64, error: f64) -> bool {
 
 /// A leaf is met only by rays within this many errors of it: a stretch along which a ray runs
 /// inside the leaf may be off by that much.
-pub(super) const AROUND: f64 = 4.0;
+pub(in crate::intersect) const AROUND: f64 = 4.0;
 
 /// A root at a trim edge is doubtful if its error along the ray is more than this many times the
 /// error across it, that is, if the ray is within 1e-5 of the tangent plane: the hit may be off the

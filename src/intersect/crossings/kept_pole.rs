@@ -12,24 +12,24 @@ use crate::patch::{CollapsedSide, Jet, PatchSet, Piece};
 
 /// A place on a piece of a surface.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Spot<'a> {
+pub(in crate::intersect) struct Spot<'a> {
     /// The piece's number, and the piece.
-    pub(super) index: u32,
-    pub(super) piece: &'a Piece,
-    pub(super) st: DVec2,
-    pub(super) jet: Jet,
+    pub(in crate::intersect) index: u32,
+    pub(in crate::intersect) piece: &'a Piece,
+    pub(in crate::intersect) st: DVec2,
+    pub(in crate::intersect) jet: Jet,
 }
 
 impl<'a> Spot<'a> {
     /// The normal there, if there is one, and its cosine with the ray's direction, else 0.
-    pub(super) fn normal_along(&self, ray: &RayFrame) -> (Option<DVec3>, f64) {
+    pub(in crate::intersect) fn normal_along(&self, ray: &RayFrame) -> (Option<DVec3>, f64) {
         let normal = self.piece.normal(self.st, &self.jet);
         (normal, normal.map_or(0.0, |normal| normal.dot(ray.axis)))
     }
 
     /// The nearest place along a collapsed side that trims keep, perhaps on another piece that ends
     /// in the same pole; `None` if there is none, or if it is farther than `allowed` from the ray.
-    pub(super) fn kept(
+    pub(in crate::intersect) fn kept(
         &self,
         set: &'a PatchSet,
         side: CollapsedSide,

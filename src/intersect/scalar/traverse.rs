@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::tree::{BlockLeaves, Child, ChildCode, Node, Tree};
 use crate::geometry::MAX_DEGREE;
+use crate::intersect::tree::nodes::{BlockLeaves, Child, ChildCode, Node, Tree};
 use crate::math::{RayFrame, rounding};
 use crate::patch::{OrientedBox, ScaledFrame};
 
@@ -15,7 +15,7 @@ impl Tree {
     /// begins before that is visited, and no node's entry is computed later than the true one: so a
     /// result that is the least of all does not depend on the tree. Returns the number of nodes
     /// looked at.
-    pub(super) fn traverse(
+    pub(in crate::intersect) fn traverse(
         &self,
         ray: &RayFrame,
         stack: &mut Vec<(f64, ChildCode)>,

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use super::hierarchy::{BinaryNode, Hierarchy};
-use super::tree::{Child, ChildCode, LANES, Node, Way};
+use super::nodes::{Child, ChildCode, LANES, Node, Way};
 
 /// The nodes, and blocks of leaves, made so far.
 #[derive(Debug)]

@@ -14,11 +14,11 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::HitFlags;
-use super::crossings::{has_no_normal, touches};
 use super::faces::Face;
-use super::meeting::Meeting;
+use super::merge::{has_no_normal, touches};
 use super::same_place::{Reach, at_one_place, reach_along};
+use crate::intersect::HitFlags;
+use crate::intersect::scalar::meeting::Meeting;
 use crate::patch::Piece;
 
 /// How far a sum of angles may be from a whole number of turns, in turns: far more than the

@@ -1,12 +1,12 @@
 //! First and any hits of coherent rays: packets, and the scalar search for what they leave
 //! undecided.
 
-use super::borders::{at_border, error_bound};
-use super::meeting::{CertainHit, Meeting, occlusion};
-use super::read_ahead::{Ahead, Moment, ReadAhead};
-use super::tracer::{PacketScratch, answer_of};
-use super::wide::{LaneHit, PACKET, Wanted, trace};
-use super::{Answer, HitFlags, Occlusion, Shot, Tracer};
+use super::{PacketScratch, answer_of};
+use crate::intersect::crossings::borders::{at_border, error_bound};
+use crate::intersect::read_ahead::{Ahead, Moment, ReadAhead};
+use crate::intersect::scalar::meeting::{CertainHit, Meeting, occlusion};
+use crate::intersect::wide::{LaneHit, PACKET, Wanted, trace};
+use crate::intersect::{Answer, HitFlags, Occlusion, Shot, Tracer};
 use crate::math::bits::{has, set_bits};
 use crate::math::{Ray, RayFrame};
 use crate::patch::{Jet, PatchSet};

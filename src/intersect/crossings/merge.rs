@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
-use super::meeting::Meeting;
 use super::same_place::{at_one_place, reach_along};
-use super::{HitFlags, vertices};
+use super::vertices;
+use crate::intersect::HitFlags;
+use crate::intersect::scalar::meeting::Meeting;
 use crate::patch::Piece;
 
 /// Sorts meetings by `t` and merges those that are one crossing: at the same place, with
@@ -16,7 +17,7 @@ use crate::patch::Piece;
 /// A ray that passes a convex edge on its outside, within rounding, may be said to enter and to
 /// leave there, or to do neither. Where only one of the two sides was near enough, its meeting is
 /// doubtful.
-pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
+pub(in crate::intersect) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
     meetings.sort_by(Meeting::order);
     join_stretches(meetings);
     vertices::settle(meetings, pieces, axis);

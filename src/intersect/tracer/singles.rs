@@ -4,18 +4,17 @@ use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
-use super::borders::{at_border, error_bound};
-use super::hit::Root;
-use super::leaf_search;
-use super::meeting::{CertainHit, Meeting, Question};
-use super::tracer::answer_of;
-use super::wide::{BvhView, SingleHit, SingleRay, Wanted, trace_single};
-use super::{Answer, Hit, HitFlags, Occlusion, Query, Shot, SurfaceBvh, Tracer};
+use super::answer_of;
+use crate::intersect::crossings::borders::{at_border, error_bound};
+use crate::intersect::scalar::leaf_search;
+use crate::intersect::scalar::meeting::{CertainHit, Meeting, Question};
+use crate::intersect::wide::{BvhView, SingleHit, SingleRay, Wanted, trace_single};
+use crate::intersect::{Answer, Hit, HitFlags, Occlusion, Query, Root, Shot, SurfaceBvh, Tracer};
 use crate::math::{Ray, RayFrame};
 use crate::patch::{Jet, Leaf, OrientedBox, Passage, Piece};
 
 impl SurfaceBvh {
-    pub(super) fn view(&self) -> BvhView<'_> {
+    pub(in crate::intersect) fn view(&self) -> BvhView<'_> {
         let Self { tree, leaves, weights, set, reach_of_f32, .. } = self;
         BvhView { tree, leaves, weights, set, reach_of_f32: *reach_of_f32 }
     }
@@ -39,8 +38,8 @@ impl Tracer<'_> {
         dispatch!(level, simd => any_hit(simd, self, shot))
     }
 
-    /// Puts the meetings of one ray with all leaves it may meet into the findings; returns the ray's
-    /// unit direction.
+    /// Puts the meetings of one ray with all leaves it may meet into the findings; returns the
+    /// ray's unit direction.
     pub(super) fn single_all(&mut self, level: Level, query: &Query) -> DVec3 {
         let ray = (&query.ray, query.from.as_ref());
         let frame = dispatch!(level, simd => search(simd, self, ray, Wanted::All));

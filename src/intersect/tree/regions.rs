@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::collapse::{Collapse, Wide};
 use super::hierarchy::Hierarchy;
-use super::tree::{LANES, Region, Tree};
+use super::nodes::{LANES, Region, Tree};
 use crate::math::Aabb;
 use crate::patch::{Part, ScaledBox, ScaledFrame};
 
@@ -43,7 +43,7 @@ struct Waiting {
 ///
 /// `groups` are as in [`Hierarchy::new`]. No region's coordinates are scaled up by more than
 /// `most_scale`.
-pub(super) fn tree_over(
+pub(in crate::intersect) fn tree_over(
     parts: &[Part],
     groups: &[u32],
     scene: ScaledFrame,
@@ -137,7 +137,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface, shapes};
-    use crate::intersect::tree::{BlockLeaves, Child, ChildCode, Way};
+    use crate::intersect::tree::nodes::{BlockLeaves, Child, ChildCode, Way};
     use crate::patch::PatchSet;
 
     /// A flat sheet of this many pieces each way.

@@ -4,46 +4,46 @@ use std::cmp::Ordering;
 
 use glam::{DVec2, DVec3};
 
-use super::borders::{at_border, error_bound, trim_reach};
-use super::exact::{ExactSolver, Solution};
-use super::{HitFlags, Occlusion, Query, Root, Statistics};
 use crate::geometry::trim::Side;
+use crate::intersect::crossings::borders::{at_border, error_bound, trim_reach};
+use crate::intersect::exact::{ExactSolver, Solution};
+use crate::intersect::{HitFlags, Occlusion, Query, Root, Statistics};
 use crate::math::RayFrame;
 use crate::patch::{Jet, Leaf, OrientedBox, Passage, PatchSet, Piece, ScaledFrame};
 
 /// A place where a ray meets a leaf.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Meeting {
+pub(in crate::intersect) struct Meeting {
     /// The ray parameter.
-    pub(super) t: f64,
+    pub(in crate::intersect) t: f64,
     /// Error bounds of `t`, and of the distance along the ray in scene units.
-    pub(super) t_error: f64,
-    pub(super) z_error: f64,
-    pub(super) surface: u32,
-    pub(super) piece: u32,
-    pub(super) st: DVec2,
-    pub(super) jet: Jet,
+    pub(in crate::intersect) t_error: f64,
+    pub(in crate::intersect) z_error: f64,
+    pub(in crate::intersect) surface: u32,
+    pub(in crate::intersect) piece: u32,
+    pub(in crate::intersect) st: DVec2,
+    pub(in crate::intersect) jet: Jet,
     /// The unit normal, where there is one.
-    pub(super) normal: Option<DVec3>,
-    pub(super) flags: HitFlags,
+    pub(in crate::intersect) normal: Option<DVec3>,
+    pub(in crate::intersect) flags: HitFlags,
     /// How far the surface's point may be from the ray.
-    pub(super) error: f64,
+    pub(in crate::intersect) error: f64,
     /// How far the point may be from the trim edge it is at; zero elsewhere.
-    pub(super) edge: f64,
+    pub(in crate::intersect) edge: f64,
     /// The cosine between the ray and the normal, signed; zero where there is no normal.
-    pub(super) cosine: f64,
+    pub(in crate::intersect) cosine: f64,
     /// The stretch along which the ray runs inside the surface, as ray parameters.
-    pub(super) stretch: Option<[f64; 2]>,
+    pub(in crate::intersect) stretch: Option<[f64; 2]>,
     /// Whether the ray passes a side of the piece, or an edge of its trims, on the outside, by more
     /// than the rounding of a ray aimed at it.
-    pub(super) beyond: bool,
+    pub(in crate::intersect) beyond: bool,
 }
 
 impl Meeting {
     /// Which of two comes first: the nearer one, of those at one `t` that on the surface, then the
     /// piece that was given first, and last by the place on the piece, so that the order of the
     /// search does not matter.
-    pub(super) fn order(&self, other: &Self) -> Ordering {
+    pub(in crate::intersect) fn order(&self, other: &Self) -> Ordering {
         let place = |m: &Self| (m.surface, m.piece);
         let by_piece = self.t.total_cmp(&other.t).then_with(|| place(self).cmp(&place(other)));
         let (a, b) = (self.st, other.st);
@@ -51,27 +51,27 @@ impl Meeting {
     }
 
     /// Whether floating point has decided that the ray meets the leaf here.
-    pub(super) fn is_certain(&self) -> bool {
+    pub(in crate::intersect) fn is_certain(&self) -> bool {
         !self.flags.contains(HitFlags::DOUBTFUL)
     }
 }
 
 /// A hit that is certain, as the fast kernels find it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct CertainHit {
-    pub(super) t: f64,
+pub(in crate::intersect) struct CertainHit {
+    pub(in crate::intersect) t: f64,
     /// Error bound of the distance along the ray, in scene units.
-    pub(super) z_error: f64,
-    pub(super) piece: u32,
-    pub(super) st: DVec2,
-    pub(super) jet: Jet,
-    pub(super) normal: Option<DVec3>,
-    pub(super) flags: HitFlags,
+    pub(in crate::intersect) z_error: f64,
+    pub(in crate::intersect) piece: u32,
+    pub(in crate::intersect) st: DVec2,
+    pub(in crate::intersect) jet: Jet,
+    pub(in crate::intersect) normal: Option<DVec3>,
+    pub(in crate::intersect) flags: HitFlags,
 }
 
 impl CertainHit {
     /// The meeting as the scalar search would have found it; `piece` is the hit's piece.
-    pub(super) fn meeting(self, piece: &Piece, frame: &RayFrame) -> Meeting {
+    pub(in crate::intersect) fn meeting(self, piece: &Piece, frame: &RayFrame) -> Meeting {
         let Self { t, z_error, st, jet, normal, flags, .. } = self;
         Meeting {
             t,
@@ -94,7 +94,10 @@ impl CertainHit {
 
 /// The answer of an any-hit search that found these meetings; `doubt` is the smallest ray parameter
 /// at which something may have been missed.
-pub(super) fn occlusion<'m>(meetings: impl Iterator<Item = &'m Meeting>, doubt: f64) -> Occlusion {
+pub(in crate::intersect) fn occlusion<'m>(
+    meetings: impl Iterator<Item = &'m Meeting>,
+    doubt: f64,
+) -> Occlusion {
     let (mut occluded, mut certain) = (false, false);
     for meeting in meetings {
         occluded = true;
@@ -106,19 +109,23 @@ pub(super) fn occlusion<'m>(meetings: impl Iterator<Item = &'m Meeting>, doubt: 
 
 /// Everything a search of leaves needs to know about a query.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Question<'a> {
-    pub(super) set: &'a PatchSet,
-    pub(super) ray: &'a RayFrame,
-    pub(super) t_range: [f64; 2],
-    pub(super) from: Option<&'a Root>,
+pub(in crate::intersect) struct Question<'a> {
+    pub(in crate::intersect) set: &'a PatchSet,
+    pub(in crate::intersect) ray: &'a RayFrame,
+    pub(in crate::intersect) t_range: [f64; 2],
+    pub(in crate::intersect) from: Option<&'a Root>,
     /// Whether all hits are wanted: then a root just beyond a trim edge, which another search may
     /// have found at the edge, is doubtful.
-    pub(super) all_hits: bool,
+    pub(in crate::intersect) all_hits: bool,
 }
 
 impl<'a> Question<'a> {
     /// A query about these pieces; `ray` is its frame.
-    pub(super) fn new(set: &'a PatchSet, query: &'a Query, ray: &'a RayFrame) -> Self {
+    pub(in crate::intersect) fn new(
+        set: &'a PatchSet,
+        query: &'a Query,
+        ray: &'a RayFrame,
+    ) -> Self {
         let t_range = [query.ray.t_min(), query.ray.t_max()];
         Self { set, ray, t_range, from: query.from.as_ref(), all_hits: false }
     }
@@ -126,16 +133,16 @@ impl<'a> Question<'a> {
 
 /// A leaf, with its box and its piece.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PlacedLeaf<'a> {
-    pub(super) leaf: &'a Leaf,
-    pub(super) oriented: &'a OrientedBox,
-    pub(super) piece: &'a Piece,
+pub(in crate::intersect) struct PlacedLeaf<'a> {
+    pub(in crate::intersect) leaf: &'a Leaf,
+    pub(in crate::intersect) oriented: &'a OrientedBox,
+    pub(in crate::intersect) piece: &'a Piece,
 }
 
 impl PlacedLeaf<'_> {
     /// The ray's passage through the leaf's box, if the ray may meet the leaf, to within rounding,
     /// between the start of its range and `limit`, both in scene units along the ray.
-    pub(super) fn passage(
+    pub(in crate::intersect) fn passage(
         &self,
         ray: &RayFrame,
         scaled: &ScaledFrame,
@@ -159,7 +166,7 @@ impl<'a> Question<'a> {
 
     /// Whether the crossing of an edge at `point` is that of the edge, of another surface, which
     /// the ray starts on: at the same place, to within both error bounds, and with the same sign of
-    /// `N · d`, as in [`crossings`](super::crossings).
+    /// `N · d`, as in [`crossings`](crate::intersect::crossings).
     pub(super) fn starts_on_edge_at(&self, point: DVec3, cosine: f64, z_error: f64) -> bool {
         let Some(root) = self.from else { return false };
         let Some(piece) = self.set.pieces().get(root.piece as usize) else { return false };
@@ -182,11 +189,11 @@ const CLEAR_SIDE: f64 = 1e-4;
 
 /// What a search found, and its scratch memory.
 #[derive(Debug, Default)]
-pub(super) struct Findings {
-    pub(super) meetings: Vec<Meeting>,
+pub(in crate::intersect) struct Findings {
+    pub(in crate::intersect) meetings: Vec<Meeting>,
     /// The smallest ray parameter at which something may have been missed.
-    pub(super) doubt: f64,
-    pub(super) statistics: Statistics,
+    pub(in crate::intersect) doubt: f64,
+    pub(in crate::intersect) statistics: Statistics,
     /// Boxes the exact solver has looked at for this ray, weighted by cost; to be set to zero for
     /// the next ray.
     pub(super) effort: u64,
@@ -196,14 +203,14 @@ pub(super) struct Findings {
 
 impl Findings {
     /// Forgets what was found, but keeps memory and statistics.
-    pub(super) fn clear(&mut self) {
+    pub(in crate::intersect) fn clear(&mut self) {
         self.meetings.clear();
         self.doubt = f64::INFINITY;
         self.effort = 0;
     }
 
     /// The answer of an any-hit search that found this.
-    pub(super) fn occlusion(&mut self) -> Occlusion {
+    pub(in crate::intersect) fn occlusion(&mut self) -> Occlusion {
         let occlusion = occlusion(self.meetings.iter(), self.doubt);
         self.statistics.count_doubt(occlusion.doubtful);
         occlusion
