@@ -2,12 +2,12 @@
 //!
 //! | group | what of `intersect` it asks |
 //! |---|---|
-//! | `packets` | `tracer/packets`, `wide/packet`, `wide/distances`, `wide/finish`; on kernel scalar `scalar/leaf_search` |
-//! | `streams` | `tracer/streams`, `wide/stream`, `wide/pairs` |
-//! | `single` | `tracer/singles`, `wide/single_*`; on kernel scalar `scalar/leaf_search` and `scalar/newton` |
+//! | `packets` | `tracer/packets`, `wide/packet`, `wide/search`; on kernel scalar `scalar/leaf_search` |
+//! | `streams` | `tracer/streams`, `wide/stream` |
+//! | `single` | `tracer/singles`, `wide/single`; on kernel scalar `scalar/leaf_search` and `scalar/newton` |
 //! | `shadows` | any hit instead of the first, of rays that leave a hit; in packets |
-//! | `silhouette` | `wide/lane_proof` and `wide/single_proof`, and the exact solver for what they leave |
-//! | `hierarchy` | `tree`, `scalar/traverse`, `wide/traverse`, and the leaves' boxes: rays that meet nothing |
+//! | `silhouette` | `lanes` and `one_ray` of `wide/proof`, and the exact solver for what they leave |
+//! | `hierarchy` | `tree`, `scalar/traverse`, `wide/packet/traverse`, and the leaves' boxes: rays that meet nothing |
 //! | `exact` | `exact` alone |
 //! | `all` | all hits: `exact` and `crossings/merge` |
 //! | `build` | `bvh` and `tree`, and the leaves of `patch` |

@@ -36,9 +36,9 @@
 //! Answers are certain because of two proofs: one per leaf, made once (its certificate: which rays
 //! meet the leaf at most once), and one per ray (the `exact` solver's test of existence and
 //! uniqueness). `crossings` says which roots count where surfaces end. The fast kernels add three
-//! proofs of their own, described in `wide`: what a leaf's approximation proves about one ray
-//! (`single_proof`) or about its only root (`screen`), and when a ray that leaves a leaf cannot
-//! come back to it (`departure`).
+//! proofs of their own, in `wide/proof`: what a leaf's approximation proves about one ray
+//! (`one_ray`) or about its only root (`screen`), and when a ray that leaves a leaf cannot come
+//! back to it (`departure`).
 //!
 //! The other kernels, in `wide`, are fast. They trace coherent batches ([`Coherence`]) in packets
 //! and search sixteen rays at a time in f32. For first hits of incoherent batches they search
@@ -90,7 +90,6 @@ mod crossings;
 mod exact;
 mod hit;
 mod kernel;
-mod read_ahead;
 mod scalar;
 mod statistics;
 mod tracer;

@@ -3,9 +3,8 @@
 
 use super::{PacketScratch, answer_of};
 use crate::intersect::crossings::borders::{at_border, error_bound};
-use crate::intersect::read_ahead::{Ahead, Moment, ReadAhead};
 use crate::intersect::scalar::meeting::{CertainHit, Meeting, occlusion};
-use crate::intersect::wide::{LaneHit, PACKET, Wanted, trace};
+use crate::intersect::wide::{Ahead, LaneHit, Moment, PACKET, ReadAhead, Wanted, trace};
 use crate::intersect::{Answer, HitFlags, Occlusion, Shot, Tracer};
 use crate::math::bits::{has, set_bits};
 use crate::math::{Ray, RayFrame};

@@ -118,7 +118,9 @@ impl BoxRay {
     }
 
     /// Stores where the ray enters each of a node's boxes; returns which boxes it meets.
-    #[inline(never)] // inlined, the ray would be spread over lanes before the loop over nodes, and kept so in memory
+    // Inlined, the ray would be spread over lanes before the loop over nodes, and kept so in
+    // memory.
+    #[inline(never)]
     #[simd]
     fn entries_into<S: Simd>(&self, simd: S, node: &Node, entries: &mut BoxEntries) -> u32 {
         let (near, met) = self.entries(simd, node);

@@ -1,6 +1,6 @@
 //! Which of two hits counts.
 
-use super::single_ray::HitPlace;
+use super::single::ray::HitPlace;
 use super::trimmed::trim_side;
 use super::view::BvhView;
 use crate::geometry::trim::Side;

@@ -4,7 +4,7 @@ use fearless_simd::{Simd, SimdBase, f32x16};
 use fearless_simd_macros::simd;
 use glam::DVec3;
 
-use super::departure::{Departure, Final, MAY_START};
+use super::proof::departure::{Departure, Final, MAY_START};
 use super::view::Fitted;
 use crate::intersect::Root;
 use crate::math::rounding;

@@ -3,7 +3,13 @@
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8, mask32x16};
 use fearless_simd_macros::simd;
 
-use super::packet::{Lanes3, Lanes3f};
+use super::PACKET;
+
+/// A vector of f64 for each ray of a packet, by coordinate.
+pub(super) type Lanes3 = [[f64; PACKET]; 3];
+
+/// The same in f32.
+pub(super) type Lanes3f = [[f32; PACKET]; 3];
 
 /// Sixteen vectors, from `base` on.
 #[simd]

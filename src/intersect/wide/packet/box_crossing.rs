@@ -1,0 +1,95 @@
+//! Sixteen rays against one leaf's box, and its certificate.
+
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
+use fearless_simd_macros::simd;
+
+use super::rays::Packet;
+use crate::intersect::wide::box_ray::{BOX_SPARE, LEAST_SLOPE};
+use crate::intersect::wide::vectors::load3;
+use crate::patch::{Leaf, OrientedBox};
+
+/// Which of sixteen rays meet a leaf's box, where they cross its middle, and the slopes of their
+/// directions by the box's rows.
+pub(in crate::intersect::wide) struct BoxCrossing<S: Simd> {
+    pub(in crate::intersect::wide) met: mask32x16<S>,
+    pub(in crate::intersect::wide) x: f32x16<S>,
+    pub(in crate::intersect::wide) y: f32x16<S>,
+    /// Where the rays enter and leave the box, whatever part of them counts.
+    pub(super) entry: f32x16<S>,
+    pub(super) exit: f32x16<S>,
+    pub(in crate::intersect::wide) slopes: [f32x16<S>; 3],
+}
+
+/// The slab test of the oriented box for rays `base … base + 15`.
+#[inline(always)] // in the innermost loop
+pub(in crate::intersect::wide) fn cross_box<S: Simd>(
+    simd: S,
+    oriented: &OrientedBox,
+    packet: &Packet,
+    base: usize,
+) -> BoxCrossing<S> {
+    let origin = load3(simd, &packet.origin_f, base);
+    let axis = load3(simd, &packet.axis_f, base);
+    let near = f32x16::from_slice(simd, &packet.near_f[base..base + 16]);
+    let far = f32x16::from_slice(simd, &packet.far_f[base..base + 16]);
+    let mut entry = f32x16::splat(simd, f32::MIN);
+    let mut exit = f32x16::splat(simd, f32::MAX);
+    let (one, least) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, LEAST_SLOPE));
+    let mut at = [one; 3];
+    let mut along = [one; 3];
+    let mut inverse = one;
+    for k in 0..3 {
+        let row = oriented.rows[k];
+        let (rx, ry, rz) =
+            (f32x16::splat(simd, row[0]), f32x16::splat(simd, row[1]), f32x16::splat(simd, row[2]));
+        let offset = f32x16::splat(simd, -row[3]);
+        at[k] = rx.mul_add(origin[0], ry.mul_add(origin[1], rz.mul_add(origin[2], offset)));
+        let slope = rx.mul_add(axis[0], ry.mul_add(axis[1], rz * axis[2]));
+        let steep = slope.abs().simd_gt(least);
+        along[k] = steep.select(slope, least.copysign(slope));
+        inverse = one / along[k];
+        let (middle, half) = (-at[k] * inverse, inverse.abs());
+        entry = entry.max(middle - half);
+        exit = exit.min(middle + half);
+    }
+    let spare = f32x16::splat(simd, BOX_SPARE);
+    let met = entry.max(near).simd_le(exit.min(far) + spare);
+
+    // Where the middle plane is crossed, if inside the box. What is known of the ray's end must not
+    // influence this: the start would depend on what was searched before.
+    let z = (-at[2] * inverse).max(entry).min(exit);
+    let x = z.mul_add(along[0], at[0]).max(-one).min(one);
+    let y = z.mul_add(along[1], at[1]).max(-one).min(one);
+    BoxCrossing { met, x, y, entry, exit, slopes: along }
+}
+
+/// Applies the certificate: which of sixteen rays with these slopes meet the leaf at most once. The
+/// error bound of a point's distance from a ray is the ray's magnitude times `factor`.
+#[simd]
+pub(in crate::intersect::wide) fn certify<S: Simd>(
+    simd: S,
+    leaf: &Leaf,
+    [a, b, c]: [f32x16<S>; 3],
+    (magnitude, factor): (f32x16<S>, f64),
+) -> mask32x16<S> {
+    let [by_a, by_b, rounding] = leaf.certificate.turning();
+    let (by_a, by_b) = (f32x16::splat(simd, by_a), f32x16::splat(simd, by_b));
+    let turned = by_a.mul_add(a.abs(), by_b.mul_add(b.abs(), f32x16::splat(simd, rounding)));
+    // Products in this order stay within the range of f32.
+    let per_magnitude = leaf.certificate.steep_per_error() * factor as f32;
+    let needed = magnitude * f32x16::splat(simd, per_magnitude);
+    let steep = upright(simd, leaf, [a, b, c]).abs();
+    steep.simd_gt(turned) & steep.simd_gt(needed)
+}
+
+/// How steep sixteen rays are, by the leaf's certificate. Where the certificate holds for the rays,
+/// the sign is that of the determinant of the tangents in the rays' planes.
+#[inline(always)]
+pub(in crate::intersect::wide) fn upright<S: Simd>(
+    simd: S,
+    leaf: &Leaf,
+    [a, b, c]: [f32x16<S>; 3],
+) -> f32x16<S> {
+    let [lean_a, lean_b] = leaf.certificate.lean();
+    b.mul_add(f32x16::splat(simd, lean_b), a.mul_add(f32x16::splat(simd, lean_a), c))
+}

@@ -1,0 +1,332 @@
+//! Eight rays against one leaf, in f64 on the true surface.
+
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f64x8, mask32x8, mask64x8, u32x8};
+use fearless_simd_macros::simd;
+use glam::{DVec2, DVec3};
+
+use super::rays::Packet;
+use super::target::{Closer, Ground, Ground8, Target};
+use crate::geometry::trim::Side;
+use crate::intersect::tree::nodes::LANES;
+use crate::intersect::wide::nearest::comes_first;
+use crate::intersect::wide::search::newton::{Converged, Ends, Rays, Verdict, newton};
+use crate::intersect::wide::surface::jets::OneNet;
+use crate::intersect::wide::vectors::{Lanes3, dot_d, load3d};
+use crate::intersect::wide::{PACKET, trimmed};
+use crate::math::bits::{has, set_bits};
+use crate::patch::Piece;
+
+/// In a leaf that ends in a pole, normals get a closer look where the length of the tangents' cross
+/// product is less than this part of the square of the sum of their lengths: there the product
+/// loses digits accordingly.
+const LEAST_SINE: f64 = 1e-2;
+
+/// The outcome for some rays, a lane each.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Done {
+    /// The lanes that did not converge.
+    pub(super) unconverged: u32,
+    /// The lanes whose root the scalar search must judge.
+    pub(super) undecided: u32,
+    /// Whether some ray's nearest hit is new.
+    pub(super) found: bool,
+    /// Newton's steps taken, over all lanes.
+    pub(super) steps: u32,
+}
+
+/// Takes Newton's steps in f64 for those of rays `base … base + 7` that are `wanted`, from the
+/// places `near` that the search in f32 has found; hits nearer than those known are put into the
+/// packet.
+///
+/// Each of these rays has at most one root in the domain that `ground` gives. Also returns the
+/// lanes that did not converge, and those that the scalar search must judge: whose hit lies outside
+/// the piece, or too near an end of the ray or the root it starts on.
+#[simd]
+pub(super) fn finish<S: Simd>(
+    simd: S,
+    (target, closer, surface): (&Target<'_>, &Closer, &OneNet<'_>),
+    packet: &mut Packet,
+    base: usize,
+    (wanted, ground): (mask64x8<S>, &Ground<S>),
+    near: &[f64x8<S>; 2],
+) -> Done {
+    let (certified, domain) = match ground {
+        Ground::Certificate => (true, target.certified(simd)),
+        Ground::Own(rect) => (false, target.parameters(simd, rect, base % LANES / 8)),
+    };
+    let leaves = Ground8 { target, closer, surface, domain, certified, normals: !packet.any };
+    let rays = PacketRays::new(simd, packet, base, (closer.residual_factor, closer.magnitude));
+    let error = rays.error();
+    let mut near_pole = simd.splat_mask64x8(false);
+    if let (Some(pole), true) = (target.pole, certified) {
+        near_pole = wanted & !target.is_away_from_pole(simd, pole, &rays);
+    }
+
+    let mut root = newton(simd, &leaves, &rays, wanted & !near_pole, near);
+    let steps = root.steps;
+    let unconverged = (root.unconverged | near_pole).to_bitmask() as u32;
+    if root.found.all_false() {
+        return Done { unconverged, undecided: 0, found: false, steps };
+    }
+    if target.pole.is_some() {
+        // Tangents vanish at a pole, and the determinant before the last step says nothing of the
+        // one at the hit.
+        root.inverse_det = f64x8::splat(simd, 1.0) / dot_d(root.cross, rays.axis(simd));
+    }
+    let Converged { st: [root_s, root_t], z, speed, .. } = root;
+    let from_error = eight(simd, &packet.from_error, base);
+    let ends = Ends {
+        z: [eight(simd, &packet.z_min, base), eight(simd, &packet.z_max, base)],
+        from_error: if packet.from_roots { Some(from_error) } else { None },
+    };
+    let best = eight(simd, &packet.z, base);
+    let Verdict { size, z_error, mut undecided, at_end, acceptable, near_end } =
+        root.verdict(simd, &ends, error, certified);
+    let tie = acceptable & z.simd_eq(best);
+    let mut hit = acceptable & z.simd_lt(best) | earlier(simd, tie, target, packet, base);
+    if target.leaf.is_trimmed() {
+        // Also asks about roots that cannot be told from the nearest hit: these may lie at an edge.
+        let asked = acceptable & z.simd_le(best + near_end) | at_end;
+        let reach = f64x8::splat(simd, trimmed::EDGE_REACH) * z_error * speed / size;
+        let Sides { inside, outside } = trim_sides(target, asked, (root_s, root_t), reach);
+        let [inside, outside] = [inside, outside].map(|bits| mask64x8::from_bitmask(simd, bits));
+        hit &= inside;
+        undecided = (undecided | asked & !inside) & !outside;
+    }
+
+    let found = hit.any_true();
+    if found && packet.any {
+        // Nothing more is asked of these rays.
+        packet.meet_eight(simd, base, hit.to_bitmask());
+    } else if found {
+        let about = (target, closer, certified);
+        put_hits(simd, about, (&mut *packet, base), hit, &root, (size, z_error));
+    }
+    Done { unconverged, undecided: undecided.to_bitmask() as u32, found, steps }
+}
+
+/// Puts the hits of eight rays into a packet: the roots of the lanes in `hit`, each its ray's
+/// nearest so far, with the lengths of the tangents' cross products and the error bounds along the
+/// rays.
+#[inline(always)] // what goes in are dozens of vectors
+fn put_hits<S: Simd>(
+    simd: S,
+    (target, closer, certified): (&Target<'_>, &Closer, bool),
+    (packet, base): (&mut Packet, usize),
+    hit: mask64x8<S>,
+    &Converged { st: [root_s, root_t], z, point, cross, speed, .. }: &Converged<S>,
+    (size, z_error): (f64x8<S>, f64x8<S>),
+) {
+    let high = f64x8::splat(simd, 1.0);
+    let t_from_z = f64x8::from_slice(simd, &packet.t_from_z[base..base + 8]);
+    let ray_t = z * t_from_z;
+    let inverse = high / size;
+    // A closer look is also due where the normal or `t` is not finite.
+    let infinity = f64x8::splat(simd, f64::INFINITY);
+    let mut close = !(inverse.simd_lt(infinity) & ray_t.simd_lt(infinity));
+    if target.pole.is_some() {
+        // It is also due where both tangents have nearly one direction, or where no certificate
+        // says how well they are known.
+        let least = f64x8::splat(simd, LEAST_SINE) * speed * speed;
+        close |= !size.simd_gt(least) | simd.splat_mask64x8(!certified);
+    }
+    if closer.has_near_sides {
+        let distances = [root_s, high - root_s, root_t, high - root_t];
+        for side in 0..4 {
+            close |= distances[side].simd_le(f64x8::splat(simd, target.near_side(side)));
+        }
+    }
+    let normal = [cross[0] * inverse, cross[1] * inverse, cross[2] * inverse];
+    let uv = surface_parameters(simd, target.piece, [root_s, root_t]);
+    put(simd, hit, &mut packet.z, base, z);
+    put(simd, hit, &mut packet.ray_t, base, ray_t);
+    put(simd, hit, &mut packet.z_error, base, z_error);
+    for i in 0..2 {
+        put(simd, hit, &mut packet.st[i], base, [root_s, root_t][i]);
+        put(simd, hit, &mut packet.uv[i], base, uv[i]);
+    }
+    put3(simd, hit, &mut packet.point, base, point);
+    put3(simd, hit, &mut packet.normal, base, normal);
+    let hits = hit.to_bitmask();
+    packet.met |= hits << base;
+    packet.needs_look &= !(hits << base);
+    packet.needs_look |= (close & hit).to_bitmask() << base;
+    put_index(simd, hits, &mut packet.leaf, base, target.index);
+    put_index(simd, hits, &mut packet.piece, base, target.leaf.piece);
+    put_index(simd, hits, &mut packet.surface, base, target.piece.surface);
+    packet.shorten(simd, base, hits);
+}
+
+/// One bit for each of the sixteen rays from `base` on that passes the leaf's pole far enough away
+/// for the leaf's certificate to hold.
+#[cold]
+#[simd]
+pub(super) fn away_from_pole<S: Simd>(
+    simd: S,
+    target: &Target<'_>,
+    pole: DVec3,
+    (packet, base): (&Packet, usize),
+) -> u32 {
+    let patch = &target.piece.patch;
+    let mut away = 0;
+    for half in 0..2 {
+        let base = base + 8 * half;
+        let about = (patch.residual_factor(), patch.magnitude());
+        let rays = PacketRays::new(simd, packet, base, about);
+        let eight = target.is_away_from_pole(simd, pole, &rays).to_bitmask();
+        away |= (eight as u32) << (8 * half);
+    }
+    away
+}
+
+/// Eight rays of a packet.
+struct PacketRays<'a, S: Simd> {
+    packet: &'a Packet,
+    base: usize,
+    error: f64x8<S>,
+}
+
+impl<'a, S: Simd> PacketRays<'a, S> {
+    /// The rays from `base` on, for points whose error bound is `factor` times the larger of two
+    /// magnitudes: the patch's, and that of the ray's origin.
+    #[inline(always)]
+    fn new(simd: S, packet: &'a Packet, base: usize, (factor, magnitude): (f64, f64)) -> Self {
+        let largest = eight(simd, &packet.magnitude, base).max(f64x8::splat(simd, magnitude));
+        Self { packet, base, error: f64x8::splat(simd, factor) * largest }
+    }
+}
+
+impl<S: Simd> Rays<S> for PacketRays<'_, S> {
+    #[inline(always)]
+    fn origin(&self, simd: S) -> [f64x8<S>; 3] {
+        load3d(simd, &self.packet.origin, self.base)
+    }
+
+    #[inline(always)]
+    fn axis(&self, simd: S) -> [f64x8<S>; 3] {
+        load3d(simd, &self.packet.axis, self.base)
+    }
+
+    #[inline(always)]
+    fn normals(&self, simd: S) -> [[f64x8<S>; 3]; 2] {
+        let [first, second] = &self.packet.normals;
+        [load3d(simd, first, self.base), load3d(simd, second, self.base)]
+    }
+
+    #[inline(always)]
+    fn error(&self) -> f64x8<S> {
+        self.error
+    }
+}
+
+#[inline(always)]
+fn eight<S: Simd>(simd: S, lanes: &[f64; PACKET], base: usize) -> f64x8<S> {
+    f64x8::from_slice(simd, &lanes[base..base + 8])
+}
+
+/// Lanes by their side of the trims; neither is set for those at an edge.
+#[derive(Clone, Copy, Default)]
+struct Sides {
+    inside: u64,
+    outside: u64,
+}
+
+/// The sides of the lanes that are asked for, for roots known to within `reach` in each parameter.
+#[inline(always)]
+fn trim_sides<S: Simd>(
+    target: &Target<'_>,
+    asked: mask64x8<S>,
+    (s, t): (f64x8<S>, f64x8<S>),
+    reach: f64x8<S>,
+) -> Sides {
+    let mut sides = Sides::default();
+    for k in set_bits(asked.to_bitmask()) {
+        match target.piece.side(DVec2::new(s[k], t[k]), DVec2::splat(reach[k])) {
+            Side::Inside => sides.inside |= 1 << k,
+            Side::Outside => sides.outside |= 1 << k,
+            Side::Edge { .. } => {}
+        }
+    }
+    sides
+}
+
+/// Of hits at the same place, the one on the first piece counts, and there the one on its first
+/// part, whichever was searched first: so the order of the search does not matter.
+#[simd]
+fn earlier<S: Simd>(
+    simd: S,
+    tie: mask64x8<S>,
+    target: &Target<'_>,
+    packet: &Packet,
+    base: usize,
+) -> mask64x8<S> {
+    if tie.all_false() {
+        return tie;
+    }
+    let mut earlier = 0;
+    for k in 0..8 {
+        let first = !has(packet.met, base + k)
+            || comes_first(target.view.leaves, target.index, packet.leaf[base + k]);
+        earlier |= u64::from(first) << k;
+    }
+    tie & mask64x8::from_bitmask(simd, earlier)
+}
+
+/// [`Piece::uv`] for eight places.
+#[inline(always)]
+fn surface_parameters<S: Simd>(simd: S, piece: &Piece, st: [f64x8<S>; 2]) -> [f64x8<S>; 2] {
+    let mut uv = st;
+    if piece.is_placed() {
+        for lane in 0..8 {
+            let [u, v] = piece.uv(DVec2::new(st[0][lane], st[1][lane])).to_array();
+            (uv[0][lane], uv[1][lane]) = (u, v);
+        }
+        return uv;
+    }
+    let domain = piece.domain();
+    for k in 0..2 {
+        let [from, to] = domain[k];
+        let (from, to) = (f64x8::splat(simd, from), f64x8::splat(simd, to));
+        let end = st[k].simd_eq(f64x8::splat(simd, 1.0));
+        uv[k] = end.select(to, from + st[k] * (to - from));
+        if let Some(end) = piece.open_end(k) {
+            let last = f64x8::splat(simd, end.next_down());
+            uv[k] = uv[k].simd_ge(to).select(last, uv[k]);
+        }
+    }
+    uv
+}
+
+/// Replaces the lanes that `mask` selects.
+#[simd]
+fn put<S: Simd>(
+    simd: S,
+    mask: mask64x8<S>,
+    lanes: &mut [f64; PACKET],
+    base: usize,
+    value: f64x8<S>,
+) {
+    let lanes = &mut lanes[base..base + 8];
+    let old = f64x8::from_slice(simd, lanes);
+    mask.select(value, old).store_slice(lanes);
+}
+
+#[simd]
+fn put3<S: Simd>(
+    simd: S,
+    mask: mask64x8<S>,
+    lanes: &mut Lanes3,
+    base: usize,
+    value: [f64x8<S>; 3],
+) {
+    for i in 0..3 {
+        put(simd, mask, &mut lanes[i], base, value[i]);
+    }
+}
+
+#[simd]
+fn put_index<S: Simd>(simd: S, hits: u64, lanes: &mut [u32; PACKET], base: usize, value: u32) {
+    let lanes = &mut lanes[base..base + 8];
+    let (old, new) = (u32x8::from_slice(simd, lanes), u32x8::splat(simd, value));
+    mask32x8::from_bitmask(simd, hits).select(new, old).store_slice(lanes);
+}

@@ -1,0 +1,306 @@
+//! Proofs from the search in f32 about a leaf's one root, before anything is done in f64: that it
+//! is not there, or that it surely is.
+//!
+//! Most rays that meet the box of a leaf beside the one they hit have a root just outside of that
+//! leaf; and for a ray that asks for any hit, it only matters that there is one.
+//!
+//! # Proof
+//! Let `f`, `a`, `b` be the approximation's distances from the ray's planes, times its weight, and
+//! their derivatives at `x₁`, in box coordinates; let `A` be the matrix meant to be the inverse of
+//! `J = (a b)`, and `x₂ = x₁ + h`. With the bounds `E`, `σ` and `M` of
+//! [`FitError`](crate::patch::FitError), the true distances are, at any `x` with `|x − x₁| ≤ r`
+//! (the larger component),
+//!
+//! `F(x) = f + J (x − x₁) + e = q + J (x − x₂) + e`, `q = f + J h`, `|e| ≤ E + 2σ r + M r²`,
+//!
+//! except for the error that a point may have anyway, times the weight, and for rounding: both are
+//! added to `E`.
+//!
+//! *There is a root near `x₂`.* Let `α` be the largest row sum of `|A|`, and `ν` that of
+//! `|A J − I|`. Then `A F(x)` differs from `x − x₂` by no more than `α (|q| + |e|) + ν |x − x₂|`.
+//! If this is less than `ρ` wherever `|x − x₂| = ρ`, the two components of `A F` have the signs of
+//! those of `x − x₂` on the sides of the square of half side `ρ` about `x₂`, so there is a root in
+//! it (Miranda 1940). Where the leaf's certificate holds for the ray, that root is the only one in
+//! the widened leaf.
+//!
+//! *There is none.* Where `x₁` lies beyond the leaf, the certificate shows from `F(x₁)` alone that
+//! the leaf is missed: see [`Certificate`](crate::patch::Certificate). `F(x₁)` differs from `f` by
+//! at most `E`, and the condition on `F(x₁)` holds for its multiples, too.
+
+use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
+use fearless_simd_macros::simd;
+
+use super::bounds::{DISTANCE_ROUNDING, LARGEST, LEAF};
+use crate::intersect::scalar::newton::{CLEAR, SURELY};
+use crate::intersect::wide::packet::box_crossing::{BoxCrossing, upright};
+use crate::intersect::wide::packet::rays::Packet;
+use crate::intersect::wide::packet::target::Target;
+use crate::intersect::wide::search::distances::{LaneDistances, LastStep, NearRoots, sizes};
+use crate::intersect::wide::vectors::{lane_bits, load3, splat};
+use crate::patch::WIDENING;
+
+/// Half the side of the largest square about the root that was found, in box coordinates.
+const MOST_OFF: f32 = 1.0 / 128.0;
+
+/// How far from the middle there is at most one root.
+const DOMAIN: f32 = 1.0 + 1.999 * WIDENING as f32;
+
+/// How far from the middle the surface surely goes on: a little less than the leaf.
+const INSIDE: f32 = 1.0 - 2.0 * f32::EPSILON;
+
+/// The inverse Jacobian is accurate to a twentieth or better where its largest row sum times the
+/// Jacobian's entries is less than this: its rounding error is at most ten units of 2⁻²⁴ of that.
+const WORST: f32 = 8e4;
+
+/// Derivatives smaller than this are not trusted: products of two of them lose digits.
+const SHORTEST: f32 = 1e-12;
+
+/// What is proved of sixteen rays, a bit each.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::intersect::wide) struct Screened {
+    /// The rays that miss the leaf.
+    pub(in crate::intersect::wide) missed: u32,
+    /// The rays that meet the leaf, and ask no more.
+    pub(in crate::intersect::wide) met: u32,
+}
+
+/// Returns what the last step of the search in f32 proves of rays `base … base + 15` of the packet,
+/// for those that are `asked` for; the leaf's certificate holds for them. `error` is the error
+/// bound of a point's distance from the ray.
+#[simd]
+pub(in crate::intersect::wide) fn screen<S: Simd>(
+    simd: S,
+    target: &Target<'_>,
+    (packet, base): (&Packet, usize),
+    (distances, crossing, searched): (&LaneDistances, &BoxCrossing<S>, &NearRoots<S>),
+    (asked, error): (u32, f32x16<S>),
+) -> Screened {
+    // Rays that hit the leaf, as most do, are not worth screening if more is wanted of them.
+    let [x, y] = searched.last.to;
+    let farthest = x.abs().max(y.abs());
+    let outside = asked & !lane_bits(farthest.simd_le(splat(simd, INSIDE)));
+    if target.pole.is_some() || (outside == 0 && !packet.any) {
+        return Screened::default();
+    }
+    let screen = Screen {
+        target,
+        normals: [load3(simd, &packet.normals_f[0], base), load3(simd, &packet.normals_f[1], base)],
+        upright: upright(simd, target.leaf, crossing.slopes),
+        terms: distances.terms(simd, sizes(simd, target.fitted()), packet, base),
+        error: error * splat(simd, target.fitted().heaviest()),
+    };
+    let Screened { missed, met } = screen.ask(simd, searched);
+    let met = if packet.any && !target.leaf.is_trimmed() {
+        met & packet.within_range(simd, base, crossing)
+    } else {
+        0
+    };
+    Screened { missed: outside & missed, met: asked & met }
+}
+
+/// Sixteen rays and a leaf.
+struct Screen<'a, S: Simd> {
+    target: &'a Target<'a>,
+    /// The normals of the rays' planes.
+    normals: [[f32x16<S>; 3]; 2],
+    /// How steep the rays are. The sign is that of the determinant, which is the same on all of the
+    /// leaf.
+    upright: f32x16<S>,
+    /// The measure of the rounding error of the distances.
+    terms: f32x16<S>,
+    /// Error bound of a point's distance from the ray, times the weight.
+    error: f32x16<S>,
+}
+
+impl<S: Simd> Screen<'_, S> {
+    /// What the last step of the search proves of the rays, whatever the part of them that counts.
+    #[inline(always)]
+    fn ask(&self, simd: S, searched: &NearRoots<S>) -> Screened {
+        let LastStep { from, to, distances: [f1, f2], slopes, inverse } = searched.last;
+        let ([[a1, a2], [b1, b2]], [[xx, xy], [yx, yy]]) = (slopes, inverse);
+        let leaf = self.target.leaf;
+
+        // Distances take twelve roundings of coefficients and sums; derivatives, of three times the
+        // size, take as many. The roundings of the step and of what it leaves are small compared
+        // with the slack given to it (`per_move`, `MOST_OFF`).
+        let noise = self.terms * splat(simd, DISTANCE_ROUNDING);
+        let off = noise + splat(simd, leaf.fit_error()) + self.error;
+        let per_move = splat(simd, 2.0 * leaf.slope_error()) + noise * splat(simd, 4.0);
+
+        let (move_x, move_y) = (to[0] - from[0], to[1] - from[1]);
+        let left_1 = a1.mul_add(move_x, b1.mul_add(move_y, f1)).abs();
+        let left_2 = a2.mul_add(move_x, b2.mul_add(move_y, f2)).abs();
+        let reach = move_x.abs().max(move_y.abs()) + splat(simd, MOST_OFF);
+        let bend = splat(simd, leaf.fit_bend());
+        let rest = left_1.max(left_2) + bend.mul_add(reach, per_move).mul_add(reach, off);
+        let by_inverse = (xx.abs() + xy.abs()).max(yx.abs() + yy.abs());
+        // The row sums of `A J − I` are less than a half, and a little is left for rounding.
+        let radius = splat(simd, 2.2) * by_inverse * rest;
+        let size = a1.abs() + a2.abs() + (b1.abs() + b2.abs());
+        // All are false for NaN.
+        let known = radius.simd_le(splat(simd, MOST_OFF))
+            & (by_inverse * size).simd_le(splat(simd, WORST))
+            & size.simd_ge(splat(simd, SHORTEST))
+            & self.terms.simd_le(splat(simd, LARGEST));
+
+        let (x, y) = (to[0].abs(), to[1].abs());
+        let (farthest, spare) = (x.max(y), radius + splat(simd, 2.0 * f32::EPSILON));
+        let in_domain = (farthest + spare).simd_le(splat(simd, DOMAIN));
+        let beyond = (farthest - spare).simd_gt(splat(simd, LEAF));
+        let within = (farthest + spare).simd_le(splat(simd, INSIDE));
+        let mut missed = lane_bits(known & in_domain & beyond);
+        let outside =
+            [from[0].abs().simd_gt(splat(simd, LEAF)), from[1].abs().simd_gt(splat(simd, LEAF))];
+        if (outside[0] | outside[1]).any_true() {
+            missed |= lane_bits(self.away(simd, (from, outside), [f1, f2], off));
+        }
+        Screened { missed, met: lane_bits(known & within) }
+    }
+
+    /// The lanes that are beyond the leaf on some side, and for which the certificate shows that
+    /// the leaf is missed.
+    #[inline(always)]
+    fn away(
+        &self,
+        simd: S,
+        (at, outside): ([f32x16<S>; 2], [mask32x16<S>; 2]),
+        [f1, f2]: [f32x16<S>; 2],
+        off: f32x16<S>,
+    ) -> mask32x16<S> {
+        let (zero, [n1, n2]) = (splat(simd, 0.0), self.normals);
+        let axes = self.target.unit_axes();
+        let mut along = [zero; 3];
+        for i in 0..3 {
+            let g = f1 * n2[i] - f2 * n1[i];
+            for k in 0..3 {
+                along[k] = g.mul_add(splat(simd, axes[k][i] as f32), along[k]);
+            }
+        }
+        let [along_a, along_b, along_n] = along;
+        let size = f1.abs() + f2.abs();
+        let rest = size * splat(simd, SURELY as f32) + off * splat(simd, 2.0);
+        let [[other_s, out_s], [other_t, out_t]] = self.target.leaf.certificate.bend();
+        let (other_s, out_s) = (splat(simd, other_s as f32), splat(simd, out_s as f32));
+        let (other_t, out_t) = (splat(simd, other_t as f32), splat(simd, out_t as f32));
+        // What an error of the distances does to each of the three.
+        let (across_a, across_b) = (along_a.abs() + rest, along_b.abs() + rest);
+        let across_n = along_n.abs() + rest;
+        let turned_s = across_a.mul_add(other_s, across_n.mul_add(out_s, rest));
+        let turned_t = across_b.mul_add(other_t, across_n.mul_add(out_t, rest));
+        let sign = self.upright;
+        let away_s = (along_b * sign * at[0]).simd_lt(zero) & along_b.abs().simd_gt(turned_s);
+        let away_t = (along_a * sign * at[1]).simd_gt(zero) & along_a.abs().simd_gt(turned_t);
+        let clear = f1.abs().max(f2.abs()).simd_gt(off + self.error * splat(simd, CLEAR as f32));
+        clear & (outside[0] & away_s | outside[1] & away_t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use fearless_simd::{Level, dispatch};
+    use glam::{DVec2, DVec3};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::geometry::shapes;
+    use crate::intersect::wide::packet::box_crossing::{certify, cross_box};
+    use crate::intersect::wide::packet::load::{find_planes, load};
+    use crate::intersect::wide::proof::bounds::WIDENED;
+    use crate::intersect::wide::wanted::Wanted;
+    use crate::intersect::wide::weighted_hills;
+    use crate::intersect::{Hit, Query, SurfaceBvh};
+    use crate::math::bits::has;
+    use crate::math::testing::same_cases;
+    use crate::math::{Ray, rounding};
+    use crate::patch::Leaf;
+
+    /// What is proved of sixteen lines and a leaf. The bits returned last are those of the lines
+    /// for which its certificate holds.
+    fn said(bvh: &SurfaceBvh, index: u32, queries: &[Query]) -> (Screened, u32) {
+        let view = bvh.view();
+        let oriented = view.tree.oriented(index);
+        let target = Target::new(&view, &oriented, index);
+        let mut packet = Packet::new();
+        packet.ask(Wanted::Any);
+        dispatch!(Level::new(), simd => {
+            load(simd, &mut packet, queries, &view);
+            find_planes(simd, &mut packet);
+            let crossing = cross_box(simd, &oriented, &packet, 0);
+            let factor = target.piece.patch.residual_factor();
+            let magnitude = f32x16::splat(simd, 1e2);
+            let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));
+            let certified = lane_bits(crossing.met & certified);
+            let mut distances = LaneDistances::default();
+            distances.take(simd, target.fitted(), &packet, 0);
+            let widened = f32x16::splat(simd, WIDENED as f32);
+            let start = [crossing.x, crossing.y];
+            let searched = distances.newton(simd, start, [[-widened, widened]; 2]);
+            let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
+            let asked = (certified, error);
+            let rays = (&packet, 0);
+            let search = (&distances, &crossing, &searched);
+            (screen(simd, &target, rays, search, asked), certified)
+        })
+    }
+
+    /// Whether a line meets a leaf, as the exact solver finds it.
+    fn meets(bvh: &SurfaceBvh, leaf: &Leaf, query: &Query) -> bool {
+        let mut hits: Vec<Hit> = Vec::new();
+        let _ = bvh.tracer().exact_all_hits(query, &mut hits);
+        let rect = leaf.rect();
+        let inside = |st: DVec2| (0..2).all(|k| rect[k][0] <= st[k] && st[k] <= rect[k][1]);
+        hits.iter().any(|hit| hit.root.piece == leaf.piece && inside(hit.root.st))
+    }
+
+    /// Lines through places of a leaf and just outside of it, at any angle for which its
+    /// certificate holds.
+    #[test]
+    fn what_is_said_of_a_leaf_is_so() {
+        let bodies = [shapes::sphere(1.0), shapes::torus(1.0, 0.4), Ok(weighted_hills())]
+            .map(|body| SurfaceBvh::build(&[body.unwrap()]).unwrap());
+        let [asked, missed, met] = [Cell::new(0), Cell::new(0), Cell::new(0)];
+        let config = same_cases(1_500);
+        let place = || prop_oneof![-1.3..1.3f64, -1.03..-0.97f64, 0.97..1.03f64];
+        let line = (place(), place(), -1.0..1.0f64, 0.0..6.3f64);
+        let lines = (0usize.., prop::collection::vec(line, 16));
+        proptest!(config, |((k, lines) in lines)| {
+            for bvh in &bodies {
+                let index = k % bvh.leaves.len();
+                let leaf = &bvh.leaves[index];
+                let piece = &bvh.patches().pieces()[leaf.piece as usize];
+                let queries: Vec<Query> = lines
+                    .iter()
+                    .map(|&(x, y, height, turn)| {
+                        let place = |k: usize, x: f64| {
+                            let [from, to] = leaf.rect()[k];
+                            0.5 * ((from + to) + x * (to - from))
+                        };
+                        let point = piece.patch.point(DVec2::new(place(0, x), place(1, y)));
+                        let flat = (1.0 - height * height).sqrt();
+                        let along = DVec3::new(flat * turn.cos(), flat * turn.sin(), height);
+                        let (from, to) = (-6.0, 0.0);
+                        let ray = Ray::with_range(point + 3.0 * along, along, from, to);
+                        Query::primary(ray.unwrap())
+                    })
+                    .collect();
+                let (said, certified) = said(bvh, index as u32, &queries);
+                for (k, query) in queries.iter().enumerate() {
+                    if has(said.missed, k) || has(said.met, k) {
+                        let meets = meets(bvh, leaf, query);
+                        prop_assert!(!(has(said.missed, k) && meets), "leaf {index}, line {k}");
+                        prop_assert!(!has(said.met, k) || meets, "leaf {index}, line {k}");
+                    }
+                }
+                asked.set(asked.get() + certified.count_ones());
+                missed.set(missed.get() + said.missed.count_ones());
+                met.set(met.get() + said.met.count_ones());
+            }
+        });
+        // Most lines are decided: those left are near the leaf's sides, or at a small angle.
+        let [asked, missed, met] = [asked.get(), missed.get(), met.get()];
+        assert!(asked > 10_000 && missed > asked / 5 && met > asked / 5, "{asked} {missed} {met}");
+        assert!(missed + met > 3 * asked / 4, "{asked} {missed} {met}");
+    }
+}

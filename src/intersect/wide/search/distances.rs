@@ -1,0 +1,260 @@
+//! The distances of sixteen rays from one leaf's approximation, in f32, and the starts found from
+//! them, lane by lane.
+
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, SimdWiden, f32x16, f64x8};
+use fearless_simd_macros::simd;
+
+use super::convergence::STEPS_IN_F32;
+use crate::intersect::tree::nodes::LANES;
+use crate::intersect::wide::packet::rays::Packet;
+use crate::intersect::wide::vectors::{dot_d, load3, load3d};
+use crate::intersect::wide::view::Fitted;
+use crate::patch::{Leaf, WeightFit};
+
+/// The shortest and the longest last step, in box coordinates, after which the place found is
+/// refined.
+const LEAST_REFINED: f32 = 1.0 / 256.0;
+const MOST_REFINED: f32 = 0.25;
+
+/// The distances `f₁`, `f₂` of a leaf's approximation from the planes of sixteen rays, times its
+/// weight (see [`Leaf`]): coefficients of `xⁱ yʲ`, at `4 i + j`, lane by lane.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(in crate::intersect::wide) struct LaneDistances {
+    pub(in crate::intersect::wide) of: [[[f32; LANES]; 16]; 2],
+}
+
+impl Default for LaneDistances {
+    fn default() -> Self {
+        Self { of: [[[0.0; LANES]; 16]; 2] }
+    }
+}
+
+/// The places that the search in f32 has found, and its last step.
+#[derive(Clone, Copy)]
+pub(in crate::intersect::wide) struct NearRoots<S: Simd> {
+    /// The place, in box coordinates.
+    pub(super) near: [f32x16<S>; 2],
+    pub(in crate::intersect::wide) last: LastStep<S>,
+}
+
+/// A step of the search in f32.
+#[derive(Clone, Copy)]
+pub(in crate::intersect::wide) struct LastStep<S: Simd> {
+    /// Where it starts, and where it leads if the domain's bounds are ignored.
+    pub(in crate::intersect::wide) from: [f32x16<S>; 2],
+    pub(in crate::intersect::wide) to: [f32x16<S>; 2],
+    /// The distances where it starts, and their derivatives by `x` and by `y`.
+    pub(in crate::intersect::wide) distances: [f32x16<S>; 2],
+    pub(in crate::intersect::wide) slopes: [[f32x16<S>; 2]; 2],
+    /// The inverse Jacobian there: from distances from the ray's planes to box coordinates.
+    pub(in crate::intersect::wide) inverse: [[f32x16<S>; 2]; 2],
+}
+
+impl LaneDistances {
+    /// Sets the distances of rays `base … base + 15`.
+    ///
+    /// Those of the leaf's middle are computed in f64; what is added to them in f32 has the size of
+    /// the leaf, so its rounding error is small compared with the leaf.
+    #[simd]
+    pub(in crate::intersect::wide) fn take<S: Simd>(
+        &mut self,
+        simd: S,
+        Fitted { leaf, weight }: Fitted<'_>,
+        packet: &Packet,
+        base: usize,
+    ) {
+        let middle = middle_distances(simd, leaf, packet, base);
+        let normals =
+            [load3(simd, &packet.normals_f[0], base), load3(simd, &packet.normals_f[1], base)];
+        let [x, y, z] = leaf.fit();
+        for m in 0..16 {
+            let (x, y, z) =
+                (f32x16::splat(simd, x[m]), f32x16::splat(simd, y[m]), f32x16::splat(simd, z[m]));
+            for k in 0..2 {
+                let n = normals[k];
+                let mut c = n[2].mul_add(z, n[1].mul_add(y, n[0] * x));
+                if m == 0 && weight.is_none() {
+                    c += middle[k];
+                }
+                c.store_slice(&mut self.of[k][m]);
+            }
+        }
+        if let Some(weight) = weight {
+            self.add_weight(simd, weight, &middle);
+        }
+    }
+
+    /// Adds the middle's distances times the weight.
+    #[inline(always)]
+    fn add_weight<S: Simd>(&mut self, simd: S, weight: &WeightFit, middle: &[f32x16<S>; 2]) {
+        for m in 0..16 {
+            let w = f32x16::splat(simd, weight[m]);
+            for k in 0..2 {
+                let lanes = &mut self.of[k][m];
+                w.mul_add(middle[k], f32x16::from_slice(simd, lanes)).store_slice(lanes);
+            }
+        }
+    }
+
+    /// The sum of the absolute values of all terms that the coefficients were added up from, for
+    /// the larger of the two distances: the measure of their rounding error. `sizes` are those of
+    /// the leaf.
+    #[simd]
+    pub(in crate::intersect::wide) fn terms<S: Simd>(
+        &self,
+        simd: S,
+        sizes: [f32; 4],
+        packet: &Packet,
+        base: usize,
+    ) -> f32x16<S> {
+        let mut terms = f32x16::splat(simd, 0.0);
+        for k in 0..2 {
+            let n = load3(simd, &packet.normals_f[k], base);
+            let middle = f32x16::from_slice(simd, &self.of[k][0]).abs();
+            let mut sum = middle * f32x16::splat(simd, sizes[3]);
+            for axis in 0..3 {
+                sum = n[axis].abs().mul_add(f32x16::splat(simd, sizes[axis]), sum);
+            }
+            terms = terms.max(sum);
+        }
+        terms
+    }
+
+    /// Runs Newton's iteration in box coordinates, from starts there and within rectangles.
+    #[simd]
+    pub(in crate::intersect::wide) fn newton<S: Simd>(
+        &self,
+        simd: S,
+        start: [f32x16<S>; 2],
+        [[low_x, high_x], [low_y, high_y]]: [[f32x16<S>; 2]; 2],
+    ) -> NearRoots<S> {
+        let [mut x, mut y] = start;
+        let both = [start; 2];
+        let mut last =
+            LastStep { from: start, to: start, distances: start, slopes: both, inverse: both };
+        for _ in 0..STEPS_IN_F32 {
+            let [f1, a1, b1] = evaluate(simd, &self.of[0], x, y);
+            let [f2, a2, b2] = evaluate(simd, &self.of[1], x, y);
+            let d = f32x16::splat(simd, 1.0) / (a1 * b2 - a2 * b1);
+            let inverse = [[b2 * d, -b1 * d], [-a2 * d, a1 * d]];
+            let [[xx, xy], [yx, yy]] = inverse;
+            let to = [x - xx.mul_add(f1, xy * f2), y - yx.mul_add(f1, yy * f2)];
+            let (distances, slopes) = ([f1, f2], [[a1, a2], [b1, b2]]);
+            last = LastStep { from: [x, y], to, distances, slopes, inverse };
+            // `max` with a bound turns a NaN into that bound.
+            x = to[0].max(low_x).min(high_x);
+            y = to[1].max(low_y).min(high_y);
+        }
+        NearRoots { near: [x, y], last }
+    }
+
+    /// Refines the places that were found, by one more step with the matrix of the last step: this
+    /// leaves a hundredth of the error, for a third of that step's time. Short last steps leave
+    /// less error than is worth it.
+    #[simd]
+    pub(in crate::intersect::wide) fn refine<S: Simd>(
+        &self,
+        simd: S,
+        searched: &NearRoots<S>,
+    ) -> [f32x16<S>; 2] {
+        let NearRoots { near: [x, y], last } = *searched;
+        let [last_x, last_y] = [last.to[0] - last.from[0], last.to[1] - last.from[1]];
+        let longest = last_x.abs().max(last_y.abs());
+        // False for NaN.
+        let long = longest.simd_gt(f32x16::splat(simd, LEAST_REFINED))
+            & longest.simd_le(f32x16::splat(simd, MOST_REFINED));
+        if long.all_false() {
+            return [x, y];
+        }
+        let (f1, f2) = (value(simd, &self.of[0], x, y), value(simd, &self.of[1], x, y));
+        let [[xx, xy], [yx, yy]] = last.inverse;
+        let step = [xx.mul_add(f1, xy * f2), yx.mul_add(f1, yy * f2)];
+        [long.select(x - step[0], x), long.select(y - step[1], y)]
+    }
+}
+
+/// The sums of the absolute values of the coefficients of a leaf's approximation, by coordinate,
+/// and of its weight.
+#[inline(always)]
+pub(in crate::intersect::wide) fn sizes<S: Simd>(
+    simd: S,
+    Fitted { leaf, weight }: Fitted<'_>,
+) -> [f32; 4] {
+    let sum = |row: &[f32; 16]| f32x16::from_slice(simd, row).abs().reduce_sum();
+    let [x, y, z] = leaf.fit();
+    [sum(x), sum(y), sum(z), weight.map_or(1.0, sum)]
+}
+
+/// A bicubic polynomial and its derivatives by `x` and `y` (Horner).
+#[simd]
+fn evaluate<S: Simd>(
+    simd: S,
+    lanes: &[[f32; LANES]; 16],
+    x: f32x16<S>,
+    y: f32x16<S>,
+) -> [f32x16<S>; 3] {
+    let zero = f32x16::splat(simd, 0.0);
+    let three = f32x16::splat(simd, 3.0);
+    let (x2, x3) = (x + x, x * x * three);
+    let (y2, y3) = (y + y, y * y * three);
+    let mut row = [zero; 4];
+    let mut slope = [zero; 4];
+    for j in 0..4 {
+        let [c0, c1, c2, c3] = coefficients(simd, lanes, j);
+        row[j] = c3.mul_add(x, c2).mul_add(x, c1).mul_add(x, c0);
+        slope[j] = c3.mul_add(x3, c2.mul_add(x2, c1));
+    }
+    [
+        row[3].mul_add(y, row[2]).mul_add(y, row[1]).mul_add(y, row[0]),
+        slope[3].mul_add(y, slope[2]).mul_add(y, slope[1]).mul_add(y, slope[0]),
+        row[3].mul_add(y3, row[2].mul_add(y2, row[1])),
+    ]
+}
+
+/// The coefficients of `xⁱ yʲ` for one `j`.
+#[inline(always)]
+fn coefficients<S: Simd>(simd: S, lanes: &[[f32; LANES]; 16], j: usize) -> [f32x16<S>; 4] {
+    // Written out: where `map` of an array is not inlined, its vectors go through memory.
+    let of = |row: usize| f32x16::from_slice(simd, &lanes[row + j]);
+    [of(0), of(4), of(8), of(12)]
+}
+
+/// A bicubic polynomial alone.
+#[inline(always)]
+fn value<S: Simd>(simd: S, lanes: &[[f32; LANES]; 16], x: f32x16<S>, y: f32x16<S>) -> f32x16<S> {
+    let mut row = [y; 4];
+    for j in 0..4 {
+        let [c0, c1, c2, c3] = coefficients(simd, lanes, j);
+        row[j] = c3.mul_add(x, c2).mul_add(x, c1).mul_add(x, c0);
+    }
+    row[3].mul_add(y, row[2]).mul_add(y, row[1]).mul_add(y, row[0])
+}
+
+/// The distances of the leaf's middle from the rays' planes, computed in f64.
+#[simd]
+fn middle_distances<S: Simd>(simd: S, leaf: &Leaf, packet: &Packet, base: usize) -> [f32x16<S>; 2] {
+    let [a1, a2] = half_distances(simd, leaf, packet, base);
+    let [b1, b2] = half_distances(simd, leaf, packet, base + 8);
+    [simd.narrow_f64x8(a1, b1), simd.narrow_f64x8(a2, b2)]
+}
+
+#[simd]
+fn half_distances<S: Simd>(simd: S, leaf: &Leaf, packet: &Packet, base: usize) -> [f64x8<S>; 2] {
+    let origin = load3d(simd, &packet.origin, base);
+    let offset = [
+        f64x8::splat(simd, leaf.middle.x) - origin[0],
+        f64x8::splat(simd, leaf.middle.y) - origin[1],
+        f64x8::splat(simd, leaf.middle.z) - origin[2],
+    ];
+    let n1 = load3d(simd, &packet.normals[0], base);
+    let n2 = load3d(simd, &packet.normals[1], base);
+    [dot_d(n1, offset), dot_d(n2, offset)]
+}
+
+/// One half of sixteen lanes, in f64.
+#[inline(always)]
+pub(in crate::intersect::wide) fn widened<S: Simd>(value: f32x16<S>, half: usize) -> f64x8<S> {
+    let (low, high) = value.widen();
+    if half == 0 { low } else { high }
+}

@@ -1,0 +1,315 @@
+//! One ray against one leaf, in f64 on the true surface.
+//!
+//! In the domain that the caller gives there is at most one root: in the widened leaf, where the
+//! certificate holds for the ray, or in a part of it, where the ray's own proof does. So where
+//! Newton's iteration converges, it has found this one root: a hit if the root lies in the leaf or
+//! its slack; else the domain is proved to hold none. A root outside the piece by more than
+//! `clearance` is a miss. Other roots outside the piece, or too near an end of the ray or the root
+//! it starts on, are left to the scalar search, as is a ray whose iteration does not converge.
+
+use fearless_simd::{Simd, SimdBase, SimdFloat, f64x4};
+use fearless_simd_macros::simd;
+use glam::{DVec2, DVec3};
+
+use super::jet::{Bernstein, Powers, Sums};
+use super::ray::{SingleHit, SingleRay};
+use crate::intersect::wide::proof::bounds::WITH_SLACK;
+use crate::intersect::wide::search::convergence::{
+    COARSEST, MOST_ROUNDED, MOST_STEPS, PART_OF_ERROR,
+};
+use crate::intersect::wide::surface::form::{Form, with_degrees, with_numbers};
+use crate::intersect::wide::surface::jets::OneNet;
+use crate::intersect::wide::surface::power_lines::LONG;
+use crate::intersect::wide::view::Fitted;
+use crate::math::bernstein::MAX_DEGREE;
+
+/// What is searched for in a leaf, from where.
+#[derive(Clone, Copy)]
+pub(super) struct Search {
+    /// The place that the search in f32 has found, in box coordinates.
+    pub(super) near: [f32; 2],
+    /// The domain with at most one root, in box coordinates.
+    pub(super) domain: [[f64; 2]; 2],
+    /// Error bound of a point's distance from the ray.
+    pub(super) error: f64,
+    /// See [`Guess::clearance`](super::ray::Guess::clearance).
+    pub(super) clearance: f64,
+}
+
+/// The outcome for a ray and a leaf.
+#[derive(Clone, Copy)]
+pub(super) enum Outcome {
+    /// The leaf is proved to be missed.
+    Missed,
+    /// There is one root, a hit.
+    Hit,
+    /// A root that the scalar search must judge.
+    Undecided,
+    /// A root on the piece that is only too near an end of the ray or its start: if trims cut it off,
+    /// the leaf is missed, else the scalar search must judge it.
+    AtEnd,
+    /// Newton's iteration does not converge.
+    NotFound,
+}
+
+/// Takes Newton's steps in f64 in a domain with at most one root. A hit is put into `found`, all
+/// but its leaf: a returned hit would be copied, which stalls. Also returns the number of steps.
+///
+/// Everything is computed in homogeneous coordinates relative to the origin, `Y = X − o W`: where
+/// `n · Y / W` is zero, so is `n · Y`, and no division by the weight is needed on the way.
+#[inline(always)]
+pub(super) fn finish<S: Simd>(
+    simd: S,
+    leaf: Fitted<'_>,
+    surface: &OneNet<'_>,
+    ray: &SingleRay<'_>,
+    wanted: &Search,
+    found: &mut SingleHit,
+) -> (Outcome, u64) {
+    // Forms are told apart here, not in the sums: otherwise, what the general degrees need for them
+    // would be computed in advance for all.
+    let form = Form::of(surface.patch);
+    let degree = form.highest_degree();
+    if form.by_powers && degree < 4 {
+        with_degrees!(form, |P, Q, C| {
+            finish_of::<S, Powers<P, Q, C>>(simd, leaf, surface, ray, wanted, found)
+        })
+    } else if form.by_powers {
+        with_numbers!(form, |C| {
+            finish_of::<S, Powers<0, 0, C, LONG>>(simd, leaf, surface, ray, wanted, found)
+        })
+    } else if degree < 8 {
+        with_numbers!(form, |C| {
+            finish_of::<S, Bernstein<8, C>>(simd, leaf, surface, ray, wanted, found)
+        })
+    } else {
+        with_numbers!(form, |C| {
+            finish_of::<S, Bernstein<{ MAX_DEGREE + 1 }, C>>(
+                simd, leaf, surface, ray, wanted, found,
+            )
+        })
+    }
+}
+
+/// [`finish`] for one form of sums.
+#[simd]
+fn finish_of<S: Simd, F: Sums<S>>(
+    simd: S,
+    fitted: Fitted<'_>,
+    surface: &OneNet<'_>,
+    ray: &SingleRay<'_>,
+    &Search { near, domain, error, clearance }: &Search,
+    found: &mut SingleHit,
+) -> (Outcome, u64) {
+    let leaf = fitted.leaf;
+    let [s_range, t_range] = leaf.rect();
+    let (half_s, half_t) = (0.5 * (s_range[1] - s_range[0]), 0.5 * (t_range[1] - t_range[0]));
+    let (mid_s, mid_t) = (0.5 * (s_range[0] + s_range[1]), 0.5 * (t_range[0] + t_range[1]));
+    let columns = columns(simd, ray);
+    let origin = f64x4::from_slice(simd, &ray.frame.origin.extend(1.0).to_array());
+    let bend = f64::from(leaf.fit_bend());
+
+    let mut x = within(f64::from(near[0]), domain[0]);
+    let mut y = within(f64::from(near[1]), domain[1]);
+    let most_steps = u64::from(MOST_STEPS);
+    for step in 1..=most_steps {
+        let (s, t) = (mid_s + x * half_s, mid_t + y * half_t);
+        let sums = F::at(simd, surface, s, t);
+        // In the ray's coordinates, by box coordinate.
+        let along_x = sums[1] * f64x4::splat(simd, half_s);
+        let along_y = sums[2] * f64x4::splat(simd, half_t);
+        let at = seen(relative(sums[0], origin), &columns);
+        let a = seen(relative(along_x, origin), &columns);
+        let b = seen(relative(along_y, origin), &columns);
+        let determinant = a[0] * b[1] - a[1] * b[0];
+        let inverse = 1.0 / determinant;
+        let step_x = (at[0] * b[1] - at[1] * b[0]) * inverse;
+        let step_y = (a[0] * at[1] - a[1] * at[0]) * inverse;
+        let (new_x, new_y) = (x - step_x, y - step_y);
+
+        let weight = sums[0][3];
+        let inside = new_x == within(new_x, domain[0]) && new_y == within(new_y, domain[1]);
+        let longest = step_x.abs().max(step_y.abs());
+        if inside && has_converged([at, a, b], inverse, (bend * longest * longest, error), weight) {
+            if !(new_x.abs() <= WITH_SLACK && new_y.abs() <= WITH_SLACK) {
+                return (Outcome::Missed, step);
+            }
+            let st = DVec2::new(s - step_x * half_s, t - step_y * half_t);
+            // The weight follows the same tangent plane as what is divided by it.
+            let divisor = weight - along_x[3] * step_x - along_y[3] * step_y;
+            let z = (at[2] - a[2] * step_x - b[2] * step_y) / divisor;
+            // At a pole tangents vanish, and those nearby say nothing about them.
+            let tangents = if ray.asks_where() || leaf.has_pole() {
+                let [value, along_s, along_t] = F::at(simd, surface, st.x, st.y);
+                let along_x = along_s * f64x4::splat(simd, half_s);
+                let along_y = along_t * f64x4::splat(simd, half_t);
+                Tangents::of([value, along_x, along_y])
+            } else {
+                Tangents::after(fitted, [sums[0], along_x, along_y], [step_x, step_y])
+            };
+            let root = FoundRoot { st, half: [half_s, half_t], z, tangents };
+            return (judge(&root, ray, (error, clearance), found), step);
+        }
+        // Steps stay within the domain; NaN becomes a bound.
+        x = within(new_x, domain[0]);
+        y = within(new_y, domain[1]);
+    }
+    (Outcome::NotFound, most_steps)
+}
+
+/// Whether a point `W (S − o)` is within the error, or will be after a step; `at`, `a` and `b` are
+/// the point and its tangents in the ray's coordinates, `inverse` is one over their determinant.
+/// The tangent plane leaves no more of the residual than `bent`, and rounding of the step leaves
+/// some, too. (The weight leaves about as much again: a small part of the error.)
+#[inline(always)]
+fn has_converged(
+    [at, a, b]: [[f64; 3]; 3],
+    inverse: f64,
+    (bent, error): (f64, f64),
+    weight: f64,
+) -> bool {
+    let squared = |of: [f64; 3]| of[0] * of[0] + of[1] * of[1];
+    let (residual, most) = (squared(at), error * error * weight * weight);
+    let rounded = squared(a) * inverse * (squared(b) * inverse) * residual;
+    residual <= most || bent <= PART_OF_ERROR * error && rounded <= MOST_ROUNDED * most
+}
+
+/// The surface at a place, by box coordinates.
+struct Tangents {
+    point: DVec3,
+    along_x: DVec3,
+    along_y: DVec3,
+    cross: DVec3,
+}
+
+impl Tangents {
+    /// From `X, W` and their derivatives there.
+    #[inline(always)]
+    fn of<S: Simd>(sums: [f64x4<S>; 3]) -> Self {
+        let simd = sums[0].simd;
+        let inverse = f64x4::splat(simd, 1.0 / sums[0][3]);
+        let point = sums[0] * inverse;
+        let along_x = (sums[1] - point * f64x4::splat(simd, sums[1][3])) * inverse;
+        let along_y = (sums[2] - point * f64x4::splat(simd, sums[2][3])) * inverse;
+        let vector = |v: f64x4<S>| DVec3::new(v[0], v[1], v[2]);
+        let [along_x, along_y] = [vector(along_x), vector(along_y)];
+        let cross = along_x.cross(along_y);
+        Self { point: vector(point), along_x, along_y, cross }
+    }
+
+    /// From the sums before a last small step: the point follows the tangent plane, and the
+    /// tangents follow the second derivatives in the middle of the leaf's approximation.
+    #[inline(always)]
+    fn after<S: Simd>(
+        Fitted { leaf, weight }: Fitted<'_>,
+        sums: [f64x4<S>; 3],
+        [step_x, step_y]: [f64; 2],
+    ) -> Self {
+        let simd = sums[0].simd;
+        let (move_x, move_y) = (f64x4::splat(simd, step_x), f64x4::splat(simd, step_y));
+        let moved = sums[0] - sums[1] * move_x - sums[2] * move_y;
+        let mut tangents = Self::of([moved, sums[1], sums[2]]);
+        let [xx, xy, yy] = leaf.second_derivatives(weight);
+        tangents.along_x -= xx * step_x + xy * step_y;
+        tangents.along_y -= xy * step_x + yy * step_y;
+        tangents.cross = tangents.along_x.cross(tangents.along_y);
+        tangents
+    }
+}
+
+/// The sum of the components' absolute values, which is no less than the length.
+#[inline(always)]
+fn sum_of_sizes(v: DVec3) -> f64 {
+    v.x.abs() + v.y.abs() + v.z.abs()
+}
+
+/// Where Newton's iteration has converged.
+struct FoundRoot {
+    st: DVec2,
+    /// Half the leaf's sides.
+    half: [f64; 2],
+    /// The distance along the ray.
+    z: f64,
+    tangents: Tangents,
+}
+
+/// Judges whether a root of the leaf is a hit, which is then put into `found`; of a root at an end
+/// of the ray, its place is.
+#[inline(always)]
+fn judge(
+    root: &FoundRoot,
+    ray: &SingleRay<'_>,
+    (error, clearance): (f64, f64),
+    found: &mut SingleHit,
+) -> Outcome {
+    let &FoundRoot { st, half, z, ref tangents } = root;
+    let Tangents { point, along_x, along_y, cross } = tangents;
+    let size = cross.length();
+    let secant = size / cross.dot(ray.frame.axis).abs();
+    let z_error = error * secant;
+    let reach = ray.start_reach(z_error);
+    let [z_min, z_max] = ray.frame.z_range;
+    let on_piece = (0.0..=1.0).contains(&st.x) && (0.0..=1.0).contains(&st.y);
+    if !on_piece && (beyond(st.x) / half[0]).max(beyond(st.y) / half[1]) > clearance {
+        return Outcome::Missed;
+    }
+    let clear = (z - z_min).abs() > reach && (z - z_max).abs() > reach && z.abs() > reach;
+    // Rounding of a parameter must be small compared with the error; without a certificate, nothing
+    // has checked that.
+    let speed = sum_of_sizes(*along_x) * half[1] + sum_of_sizes(*along_y) * half[0];
+    let fine = COARSEST * speed <= error * half[0] * half[1];
+    if !(on_piece && fine) {
+        return Outcome::Undecided;
+    }
+    (found.z, found.z_error, found.st) = (z, z_error, st);
+    if !clear {
+        // Without a normal, nothing says how far the root may be off. False for NaN.
+        let has_normal = size > 0.0 && reach < f64::INFINITY;
+        return if has_normal { Outcome::AtEnd } else { Outcome::Undecided };
+    }
+    if !(z > z_min && z < z_max) {
+        return Outcome::Missed;
+    }
+    (found.point, found.cross, found.size) = (*point, *cross, size);
+    Outcome::Hit
+}
+
+/// The columns of the matrix that takes a vector to the ray's coordinates.
+#[inline(always)]
+fn columns<S: Simd>(simd: S, ray: &SingleRay<'_>) -> [f64x4<S>; 3] {
+    let [n1, n2] = ray.frame.normals;
+    let axis = ray.frame.axis;
+    [
+        f64x4::from_slice(simd, &[n1.x, n2.x, axis.x, 0.0]),
+        f64x4::from_slice(simd, &[n1.y, n2.y, axis.y, 0.0]),
+        f64x4::from_slice(simd, &[n1.z, n2.z, axis.z, 0.0]),
+    ]
+}
+
+/// A homogeneous vector relative to the origin.
+#[inline(always)]
+fn relative<S: Simd>(v: f64x4<S>, origin: f64x4<S>) -> f64x4<S> {
+    v - origin * f64x4::splat(v.simd, v[3])
+}
+
+/// A vector in the ray's coordinates.
+#[inline(always)]
+fn seen<S: Simd>(v: f64x4<S>, columns: &[f64x4<S>; 3]) -> [f64; 3] {
+    let simd = v.simd;
+    let xy = columns[1].mul_add(f64x4::splat(simd, v[1]), columns[0] * f64x4::splat(simd, v[0]));
+    let xyz = columns[2].mul_add(f64x4::splat(simd, v[2]), xy);
+    [xyz[0], xyz[1], xyz[2]]
+}
+
+/// How far `s` lies outside the range from 0 to 1; not above zero inside.
+#[inline(always)]
+fn beyond(s: f64) -> f64 {
+    (-s).max(s - 1.0)
+}
+
+/// The number, or the nearest bound; the lower one for NaN.
+#[inline(always)]
+fn within(x: f64, [low, high]: [f64; 2]) -> f64 {
+    let raised = if x > low { x } else { low };
+    if raised < high { raised } else { high }
+}

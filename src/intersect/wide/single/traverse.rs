@@ -1,0 +1,282 @@
+//! Traces one ray through the boxes: the nearest certain hit, and the leaves that are left
+//! undecided.
+//!
+//! # Why it is right
+//! - No box is entered too late or left too early: the planes of axis-parallel boxes are moved
+//!   outwards by more than the rounding errors, and oriented boxes were grown when they were made.
+//!   So every leaf that is met before the nearest hit is searched, in whatever order, and the
+//!   nearest of the hits counts: the answer does not depend on the tree.
+//! - In small parts of the scene the same holds in other coordinates (see
+//!   [`regions`](crate::intersect::tree::regions)), to which the ray is converted anew from f64. A
+//!   ray that passes far beside such a part has inaccurate coordinates there, but nothing to meet.
+//! - A leaf is left as missed where the certificate, or the ray's own proof, leaves at most one
+//!   root in the widened leaf or a part of it, and Newton's iteration on the true surface finds
+//!   that root outside the leaf, beyond a side of the piece by more than any error, outside the
+//!   ray's range, or to be the one the ray starts on; where the proof leaves no root; or where the
+//!   ray leaves the leaf and cannot come back (`departure`).
+//! - A hit is a root on the true surface, clear of the ends of the ray and of its start.
+//! - Everything else is listed in [`SingleWork::undecided`] for the scalar search, which handles
+//!   borders, poles, tangency and the ends of rays.
+
+use fearless_simd::Simd;
+use fearless_simd_macros::simd;
+
+use super::finish::{Outcome, Search, finish};
+use super::ray::{Guess, SingleHit, SingleRay};
+use super::search::Distances;
+use crate::intersect::Statistics;
+use crate::intersect::tree::nodes::Child;
+use crate::intersect::wide::box_ray::{BOX_SPARE, Crossings, Stack, first_entered};
+use crate::intersect::wide::nearest::{Kept, is_cut_off, keep};
+use crate::intersect::wide::proof::bounds::WIDENED;
+use crate::intersect::wide::proof::one_ray::isolate;
+use crate::intersect::wide::surface::jets::OneNet;
+use crate::intersect::wide::surface::spline_net::RecentNets;
+use crate::intersect::wide::view::{BvhView, Fitted};
+use crate::math::bits::set_bits;
+
+/// Scratch memory and results of tracing one ray.
+#[derive(Debug, Default)]
+pub(in crate::intersect) struct SingleWork {
+    stack: Stack,
+    /// Whether there is a hit.
+    met: bool,
+    /// Two places for hits, so that none is copied, and which of them holds the nearest certified
+    /// hit; in any-hit searches, the first one found.
+    hits: [SingleHit; 2],
+    best: usize,
+    /// Leaves that the scalar search must examine.
+    pub(in crate::intersect) undecided: Vec<u32>,
+    pub(in crate::intersect) statistics: Statistics,
+    nets: RecentNets,
+}
+
+/// Finds a ray's nearest certified hit, or any hit if that is all it asks for; `work.undecided`
+/// lists the leaves that could not be certified or decided, which may hold nearer hits.
+#[simd]
+pub(in crate::intersect) fn trace_single<S: Simd>(
+    simd: S,
+    view: &BvhView<'_>,
+    ray: &mut SingleRay<'_>,
+    work: &mut SingleWork,
+) {
+    work.clear();
+    let Some(mut next) = view.tree.root() else { return };
+    loop {
+        match next.child() {
+            Child::Node(index) => {
+                work.statistics.nodes += 1;
+                let node = &view.tree.nodes[index as usize];
+                if let Some(nearest) = ray.boxes.enter(simd, node, &mut work.stack) {
+                    next = nearest;
+                    continue;
+                }
+            }
+            Child::Block(index) => {
+                search_block(simd, view, index, ray, work);
+                if ray.is_done() {
+                    return;
+                }
+            }
+            Child::Region(index, way) => {
+                let (region, inside) = view.tree.enter(index, way);
+                work.stack.extend(inside.map(|code| (f32::NEG_INFINITY, code)));
+                ray.change_to(&region.frame, work.hit());
+            }
+        }
+        next = loop {
+            match work.stack.pop() {
+                None => return,
+                Some((entry, child)) if entry <= ray.boxes.far => break child,
+                Some(_) => {}
+            }
+        };
+    }
+}
+
+/// Searches the leaves of a block, near ones first.
+#[simd]
+fn search_block<S: Simd>(
+    simd: S,
+    view: &BvhView<'_>,
+    index: u32,
+    ray: &mut SingleRay<'_>,
+    work: &mut SingleWork,
+) {
+    let block = &view.tree.blocks[index as usize];
+    let leaves = view.tree.leaves(index);
+    let mut crossings = Crossings::NONE;
+    ray.boxes.cross(simd, block, &mut crossings);
+    let mut met = leaves.of(crossings.met);
+    view.prefetch_leaves(leaves.first, met);
+    if ray.asks_for_all() {
+        work.undecided.extend(set_bits(met).map(|k| leaves.first + k as u32));
+        return;
+    }
+    while met != 0 {
+        let nearest = first_entered(&crossings.entry, met);
+        met &= !(1 << nearest);
+        if crossings.entry[nearest] > ray.boxes.far + BOX_SPARE {
+            return;
+        }
+        work.statistics.leaf_tests += 1;
+        let leaf = leaves.first + nearest as u32;
+        search_leaf(simd, view, leaf, (&crossings, nearest), (&mut *ray, &mut *work));
+        if ray.is_done() {
+            return;
+        }
+    }
+}
+
+/// Searches one leaf, the `k`-th of a block, for one ray, whose ways through the block's boxes are
+/// in `crossings`.
+#[simd]
+fn search_leaf<S: Simd>(
+    simd: S,
+    view: &BvhView<'_>,
+    index: u32,
+    (crossings, k): (&Crossings, usize),
+    (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
+) {
+    let leaf = &view.leaves[index as usize];
+    let patch = &view.piece_of(index).patch;
+    let error = patch.error_bound(ray.magnitude());
+    let guess = Guess::of(leaf, crossings.place_of(k), crossings.slopes_of(k), error);
+    let fitted = view.fitted(index, patch);
+    let line = (ray.frame.origin, ray.boxes.axis);
+    if !ray.start.is_done_with(simd, (fitted, patch), line, (guess.is_some(), error)) {
+        search_ahead(simd, view, index, (guess, error), (ray, work));
+    }
+}
+
+/// Searches one leaf for one ray that does not start on its one root there: from a start in box
+/// coordinates, if the leaf is certified for the ray; `error` is the error bound of a point's
+/// distance from the ray.
+#[inline(always)]
+pub(in crate::intersect::wide) fn search_ahead<S: Simd>(
+    simd: S,
+    view: &BvhView<'_>,
+    index: u32,
+    (guess, error): (Option<Guess>, f64),
+    (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
+) {
+    let leaf = &view.leaves[index as usize];
+    let patch = &view.piece_of(index).patch;
+    // Most rays will need the net; made now, it is ready when the search in f32 is.
+    let mut nets = std::mem::take(&mut work.nets);
+    let net = nets.net_of(simd, (leaf.piece, patch));
+    let fitted = view.fitted(index, patch);
+    let surface = OneNet { patch, net };
+    search_net(simd, view, (index, fitted, &surface), (guess, error), (&mut *ray, &mut *work));
+    work.nets = nets;
+}
+
+/// The same, with the net for sums.
+#[inline(always)]
+fn search_net<S: Simd>(
+    simd: S,
+    view: &BvhView<'_>,
+    (index, fitted, surface): (u32, Fitted<'_>, &OneNet<'_>),
+    (guess, error): (Option<Guess>, f64),
+    (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
+) {
+    if let Some(Guess { start, clearance }) = guess {
+        let near = if fitted.leaf.is_flat() {
+            start
+        } else {
+            Distances::new(simd, fitted, ray).newton(simd, start)
+        };
+        // As a rule, a start outside leads to a root outside, which the proof shows sooner.
+        if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
+            let wanted = Search { near, domain: [[-WIDENED, WIDENED]; 2], error, clearance };
+            let (outcome, steps) = finish(simd, fitted, surface, ray, &wanted, work.other());
+            work.statistics.newton_iterations += steps;
+            match outcome {
+                Outcome::Missed => return,
+                Outcome::Hit => return work.take(index, ray, view),
+                Outcome::AtEnd if work.has_cut_off(index, view) => return,
+                Outcome::AtEnd | Outcome::Undecided => return work.undecided.push(index),
+                Outcome::NotFound => {}
+            }
+        }
+    }
+    // Too flat an angle, a leaf with a pole, a start outside, or no convergence.
+    search_by_proof(simd, view, (index, fitted, surface), error, (ray, work));
+}
+
+/// The same by the ray's own proof of how many roots it has in the leaf.
+#[simd] // a function of its own: it needs far more room than the usual way
+fn search_by_proof<S: Simd>(
+    simd: S,
+    view: &BvhView<'_>,
+    (index, fitted, surface): (u32, Fitted<'_>, &OneNet<'_>),
+    error: f64,
+    (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
+) {
+    let distances = Distances::new(simd, fitted, ray);
+    let Some(parts) = isolate(simd, distances, fitted, ray, error) else {
+        work.undecided.push(index);
+        return;
+    };
+    for part in parts.iter() {
+        let near = distances.newton(simd, part.middle);
+        let domain = part.domain().map(|range| range.map(f64::from));
+        let wanted = Search { near, domain, error, clearance: f64::INFINITY };
+        let (outcome, steps) = finish(simd, fitted, surface, ray, &wanted, work.other());
+        work.statistics.newton_iterations += steps;
+        match outcome {
+            Outcome::Missed => {}
+            Outcome::Hit => work.take(index, ray, view),
+            Outcome::AtEnd if work.has_cut_off(index, view) => {}
+            Outcome::AtEnd | Outcome::Undecided | Outcome::NotFound => {
+                work.undecided.push(index);
+                return;
+            }
+        }
+    }
+}
+
+impl SingleWork {
+    /// Forgets what was found, but keeps statistics.
+    pub(in crate::intersect::wide) fn clear(&mut self) {
+        self.met = false;
+        self.undecided.clear();
+        self.stack.clear();
+    }
+
+    /// The nearest certified hit; in any-hit searches, the first one found.
+    #[inline(always)]
+    pub(in crate::intersect) fn hit(&self) -> Option<&SingleHit> {
+        self.met.then_some(&self.hits[self.best])
+    }
+
+    /// Where the next hit is put.
+    #[inline(always)]
+    fn other(&mut self) -> &mut SingleHit {
+        &mut self.hits[1 - self.best]
+    }
+
+    /// Whether trims cut off the root of a leaf that was put into [`Self::other`].
+    #[inline(always)]
+    fn has_cut_off(&mut self, leaf: u32, view: &BvhView<'_>) -> bool {
+        self.other().leaf = leaf;
+        is_cut_off(&self.other().place(), view)
+    }
+
+    /// Takes the hit of a leaf that was put into [`Self::other`].
+    #[inline(always)]
+    fn take(&mut self, leaf: u32, ray: &mut SingleRay<'_>, view: &BvhView<'_>) {
+        self.other().leaf = leaf;
+        let found = self.other().place();
+        let known = self.hit().map(SingleHit::place);
+        match keep(&found, view, known.as_ref()) {
+            Kept::Nearer => {
+                ray.shorten(found.z);
+                self.met = true;
+                self.best = 1 - self.best;
+            }
+            Kept::Not => {}
+            Kept::Undecided => self.undecided.push(leaf),
+        }
+    }
+}

@@ -1,0 +1,487 @@
+//! Many rays in flight that have nothing in common: each goes through the boxes by itself as far as
+//! the next leaf; then the leaves of all rays are searched side by side.
+//!
+//! Boxes, starts and leaves that are not certified are treated as for a single ray (see
+//! [its traversal](crate::intersect::wide::single::traverse), also for why nothing is lost). The
+//! result for a ray does not depend on the others.
+
+use fearless_simd::{Simd, SimdBase, f32x16, f64x8};
+use fearless_simd_macros::simd;
+
+use super::pairs::{Pair, PairLanes};
+use crate::intersect::tree::nodes::{Child, ChildCode, LANES, Way};
+use crate::intersect::wide::box_ray::{
+    BOX_SPARE, BoxRay, Crossings, Stack, first_entered, push_unforeseen,
+};
+use crate::intersect::wide::frames::{Frames, Narrow};
+use crate::intersect::wide::nearest::{Kept, is_cut_off, keep};
+use crate::intersect::wide::single::ray::{Guess, HitPlace, SingleHit, SingleRay, boxes_in};
+use crate::intersect::wide::single::traverse::{SingleWork, search_ahead};
+use crate::intersect::wide::start::Start;
+use crate::intersect::wide::surface::form::Form;
+use crate::intersect::wide::view::BvhView;
+use crate::intersect::wide::wanted::Wanted;
+use crate::intersect::{Shot, Statistics};
+use crate::math::bits::has;
+use crate::math::{Ray, RayFrame};
+use crate::patch::ScaledFrame;
+
+/// Rays in flight at a time: enough to fill the lanes with pairs, few enough for their data to stay
+/// near the processor.
+pub(in crate::intersect) const FLIGHTS: usize = 256;
+
+/// A ray on its way.
+#[derive(Clone, Debug, Default)]
+struct Flight {
+    boxes: BoxRay,
+    /// The boxes still to be entered.
+    stack: Stack,
+    /// As in [`SingleRay`].
+    shift: f64,
+    scale: f64,
+    magnitude: f64,
+    t_from_z: f64,
+    /// The nearest hit so far, if there is one.
+    met: bool,
+    hit: SingleHit,
+    /// Whether the ray is to be traced by itself from the beginning.
+    alone: bool,
+}
+
+/// Scratch memory and results of tracing a batch of rays.
+#[derive(Debug, Default)]
+pub(in crate::intersect) struct Stream {
+    flights: Vec<Flight>,
+    /// The rays on their way through the boxes, with what each comes to next, and the rays that
+    /// wait for their pairs.
+    walking: Vec<(u32, ChildCode)>,
+    waiting: Vec<u32>,
+    nodes: Visits,
+    blocks: Visits,
+    regions: Vec<(u32, (u32, Way))>,
+    pairs: Vec<Pair>,
+    lanes: Box<PairLanes>,
+    single: SingleWork,
+    /// What is asked for now.
+    wanted: Wanted,
+    /// Of boxes and pairs.
+    statistics: Statistics,
+}
+
+impl Stream {
+    /// Whether a ray has a hit.
+    #[inline(always)]
+    pub(in crate::intersect) fn is_met(&self, k: usize) -> bool {
+        self.flights[k].met
+    }
+
+    /// The hit of a ray, and the factor that converts distances to its ray parameter.
+    #[inline(always)]
+    pub(in crate::intersect) fn hit(&self, k: usize) -> (&SingleHit, f64) {
+        let flight = &self.flights[k];
+        (&flight.hit, flight.t_from_z)
+    }
+
+    /// Counts of the work done so far.
+    pub(in crate::intersect) fn statistics(&self) -> Statistics {
+        let mut all = self.statistics;
+        all += self.single.statistics;
+        all
+    }
+
+    /// Whether a ray must be traced by itself, whatever was found for it.
+    #[inline(always)]
+    pub(in crate::intersect) fn is_alone(&self, k: usize) -> bool {
+        self.flights[k].alone
+    }
+}
+
+/// Finds the nearest certified hit of each of up to [`FLIGHTS`] rays, or any of each.
+#[simd]
+pub(in crate::intersect) fn trace_stream<S: Simd, Q: Shot>(
+    simd: S,
+    view: &BvhView<'_>,
+    shots: &[Q],
+    wanted: Wanted,
+    stream: &mut Stream,
+) {
+    stream.wanted = wanted;
+    start(simd, view, shots, stream);
+    while !stream.waiting.is_empty() {
+        stream.pairs.clear();
+        walk(simd, view, shots, stream);
+        search_pairs(simd, view, shots, stream);
+    }
+}
+
+/// Boxes that are examined in one go: first all of them are tested, one after the other without a
+/// branch, so that the tests overlap; then the results are acted on.
+const AT_ONCE: usize = 16;
+
+/// A ray, and the node or block it comes to.
+type Visit = (u32, u32);
+
+/// Some of the nodes, or of the blocks, that rays of a batch come to.
+#[derive(Debug)]
+struct Visits {
+    places: [Visit; FLIGHTS],
+    count: usize,
+}
+
+impl Default for Visits {
+    fn default() -> Self {
+        Self { places: [(0, 0); FLIGHTS], count: 0 }
+    }
+}
+
+impl Visits {
+    fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Writes down a visit, and keeps it or not. There are no more visits than flights.
+    #[inline(always)]
+    fn put(&mut self, visit: Visit, kept: bool) {
+        self.places[self.count % FLIGHTS] = visit;
+        self.count += usize::from(kept);
+    }
+
+    fn all(&self) -> &[Visit] {
+        &self.places[..self.count]
+    }
+}
+
+/// Where a ray enters a node's boxes, and which of them it meets.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Entered {
+    entry: [f32; LANES],
+    met: u32,
+}
+
+/// The results for the rays that are examined in one go.
+struct Seen {
+    entered: [Entered; AT_ONCE],
+    crossings: [Crossings; AT_ONCE],
+}
+
+/// Takes all waiting rays on to the next leaves they may meet, which are added as pairs.
+#[simd]
+fn walk<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stream: &mut Stream) {
+    let entered = [Entered { entry: [0.0; LANES], met: 0 }; AT_ONCE];
+    let mut seen = Seen { entered, crossings: [Crossings::NONE; AT_ONCE] };
+    stream.walking.clear();
+    for k in stream.waiting.drain(..) {
+        stream.flights[k as usize].go_on(k, &mut stream.walking);
+    }
+    while !stream.walking.is_empty() {
+        stream.nodes.clear();
+        stream.blocks.clear();
+        for &(k, next) in &stream.walking {
+            // Whether it is a node or a block cannot be predicted: so there is no branch for it.
+            stream.nodes.put((k, next.index()), next.is_node());
+            stream.blocks.put((k, next.index()), next.is_block());
+            if let Child::Region(index, way) = next.child() {
+                stream.regions.push((k, (index, way)));
+            }
+        }
+        stream.walking.clear();
+        enter_regions(view, shots, stream);
+        enter_nodes(simd, view, stream, &mut seen);
+        look_at_blocks(simd, view, shots, stream, &mut seen);
+    }
+}
+
+/// Takes on the rays that come to a region, in or out.
+fn enter_regions<Q: Shot>(view: &BvhView<'_>, shots: &[Q], stream: &mut Stream) {
+    let Stream { flights, walking, regions, .. } = stream;
+    for (k, (index, way)) in regions.drain(..) {
+        let (region, next) = view.tree.enter(index, way);
+        let flight = &mut flights[k as usize];
+        flight.stack.extend(next.map(|code| (f32::NEG_INFINITY, code)));
+        flight.change_to(&region.frame, shots[k as usize].ray());
+        flight.go_on(k, walking);
+    }
+}
+
+/// Takes on the rays that come to a node.
+#[inline(always)]
+fn enter_nodes<S: Simd>(simd: S, view: &BvhView<'_>, stream: &mut Stream, seen: &mut Seen) {
+    let Stream { flights, walking, nodes, statistics, .. } = stream;
+    statistics.nodes += nodes.all().len() as u64;
+    for visits in nodes.all().chunks(AT_ONCE) {
+        for (&(k, index), entered) in visits.iter().zip(&mut seen.entered) {
+            let node = &view.tree.nodes[index as usize];
+            let (near, met) = flights[k as usize].boxes.entries(simd, node);
+            near.store_slice(&mut entered.entry);
+            entered.met = met;
+        }
+        for (&(k, index), entered) in visits.iter().zip(&seen.entered) {
+            let (node, flight) = (&view.tree.nodes[index as usize], &mut flights[k as usize]);
+            push_unforeseen(simd, &mut flight.stack, &entered.entry, entered.met, node);
+            flight.go_on(k, walking);
+        }
+    }
+}
+
+/// Takes on the rays that come to a block of leaves; those with pairs wait for their outcome.
+#[inline(always)]
+fn look_at_blocks<S: Simd, Q: Shot>(
+    simd: S,
+    view: &BvhView<'_>,
+    shots: &[Q],
+    stream: &mut Stream,
+    seen: &mut Seen,
+) {
+    let Stream { flights, walking, waiting, blocks, pairs, single, wanted, .. } = stream;
+    for visits in blocks.all().chunks(AT_ONCE) {
+        for (&(k, index), crossings) in visits.iter().zip(&mut seen.crossings) {
+            let block = &view.tree.blocks[index as usize];
+            flights[k as usize].boxes.cross(simd, block, crossings);
+        }
+        if view.is_far() {
+            prefetch(view, visits, &seen.crossings);
+        }
+        for (&(k, index), crossings) in visits.iter().zip(&seen.crossings) {
+            let (shot, flight) = (&shots[k as usize], &mut flights[k as usize]);
+            let asked = StreamRay::new(view, shot, *wanted, k);
+            let before = pairs.len();
+            asked.look_at(simd, (index, crossings), flight, pairs, single);
+            if flight.alone || flight.is_done() {
+                pairs.truncate(before);
+            } else if pairs.len() > before {
+                waiting.push(k);
+            } else {
+                flight.go_on(k, walking);
+            }
+        }
+    }
+}
+
+/// Prefetches the leaves whose boxes are met: see [`BvhView::is_far`].
+fn prefetch(view: &BvhView<'_>, visits: &[Visit], crossings: &[Crossings]) {
+    for stage in [BvhView::prefetch_leaves, BvhView::prefetch_pieces, BvhView::prefetch_nets] {
+        for (&(_, block), crossings) in visits.iter().zip(crossings) {
+            let leaves = view.tree.leaves(block);
+            stage(view, leaves.first, leaves.of(crossings.met));
+        }
+    }
+}
+
+#[inline(always)]
+fn start_of<Q: Shot>(shot: &Q) -> Start<'_> {
+    let ray = shot.ray();
+    Start { from: shot.start_root(), ahead: ray.t_min() >= 0.0 }
+}
+
+/// Sets all rays to begin at the root of the tree.
+#[simd]
+fn start<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stream: &mut Stream) {
+    stream.waiting.clear();
+    stream.flights.resize_with(shots.len().max(stream.flights.len()), Flight::default);
+    let scaled = view.tree.frame();
+    for base in (0..shots.len()).step_by(LANES) {
+        let halves = [Frames::of(simd, shots, base), Frames::of(simd, shots, base + 8)];
+        let narrow = Narrow::new(simd, &halves[0], &halves[1], scaled);
+        let mut numbers = [[0f32; LANES]; 8];
+        let [ox, oy, oz] = narrow.origin;
+        let [dx, dy, dz] = narrow.axis;
+        let [near, far] = narrow.ends;
+        for (to, from) in numbers.iter_mut().zip([ox, oy, oz, dx, dy, dz, near, far]) {
+            f32x16::store_slice(&from, to);
+        }
+        let mut wide = [[[0f64; 8]; 3]; 2];
+        for half in 0..2 {
+            let Frames { magnitude, t_from_z, .. } = halves[half];
+            for (to, from) in wide[half].iter_mut().zip([narrow.shift[half], magnitude, t_from_z]) {
+                f64x8::store_slice(&from, to);
+            }
+        }
+        for lane in 0..LANES.min(shots.len() - base) {
+            let flight = &mut stream.flights[base + lane];
+            let [ox, oy, oz, dx, dy, dz, near, far] = &numbers;
+            let origin = [ox[lane], oy[lane], oz[lane]];
+            let axis = [dx[lane], dy[lane], dz[lane]];
+            flight.boxes.set(origin, axis, [near[lane], far[lane]]);
+            let [shift, magnitude, t_from_z] = &wide[lane / 8];
+            (flight.shift, flight.scale) = (shift[lane % 8], scaled.scale);
+            flight.magnitude = magnitude[lane % 8];
+            flight.t_from_z = t_from_z[lane % 8];
+            flight.met = false;
+            flight.alone = view.is_beyond_f32(flight.magnitude);
+            flight.stack.clear();
+            if let Some(root) = view.tree.root()
+                && !flight.alone
+            {
+                flight.stack.push((f32::NEG_INFINITY, root));
+                stream.waiting.push((base + lane) as u32);
+            }
+        }
+    }
+}
+
+/// One ray of a batch, with its start.
+struct StreamRay<'a> {
+    view: &'a BvhView<'a>,
+    ray: &'a Ray,
+    start: Start<'a>,
+    wanted: Wanted,
+    /// Which ray of the batch.
+    index: u32,
+}
+
+impl<'a> StreamRay<'a> {
+    #[inline(always)]
+    fn new<Q: Shot>(view: &'a BvhView<'a>, shot: &'a Q, wanted: Wanted, index: u32) -> Self {
+        Self { view, ray: shot.ray(), start: start_of(shot), wanted, index }
+    }
+
+    /// Examines the leaves of a block whose boxes the ray meets.
+    #[simd]
+    fn look_at<S: Simd>(
+        &self,
+        simd: S,
+        (block, crossings): (u32, &Crossings),
+        flight: &mut Flight,
+        pairs: &mut Vec<Pair>,
+        single: &mut SingleWork,
+    ) {
+        let leaves = self.view.tree.leaves(block);
+        let mut met = leaves.of(crossings.met);
+        while met != 0 {
+            let nearest = first_entered(&crossings.entry, met);
+            met &= !(1 << nearest);
+            if crossings.entry[nearest] > flight.boxes.far + BOX_SPARE {
+                return;
+            }
+            single.statistics.leaf_tests += 1;
+            let index = leaves.first + nearest as u32;
+            let (start, slopes) = (crossings.place_of(nearest), crossings.slopes_of(nearest));
+            let leaf = &self.view.leaves[index as usize];
+            let patch = &self.view.piece_of(index).patch;
+            let error = patch.error_bound(flight.magnitude);
+            let guess = Guess::of(leaf, start, slopes, error);
+            let line = (self.ray.origin(), flight.boxes.axis);
+            let fitted = self.view.fitted(index, patch);
+            if self.start.is_done_with(simd, (fitted, patch), line, (guess.is_some(), error)) {
+                continue;
+            }
+            if let (Some(guess), Some(form)) = (guess, Form::of_pairs(patch)) {
+                self.view.prefetch_leaves(index, 1); // for the search of all pairs, some time later
+                pairs.push(Pair { ray: self.index, leaf: index, form, guess });
+                continue;
+            }
+            self.search(simd, index, (guess, error), flight, single);
+            if flight.alone {
+                return;
+            }
+        }
+    }
+
+    /// Searches one leaf for this ray only: see [`search_ahead`].
+    #[simd]
+    fn search<S: Simd>(
+        &self,
+        simd: S,
+        leaf: u32,
+        (guess, error): (Option<Guess>, f64),
+        flight: &mut Flight,
+        single: &mut SingleWork,
+    ) {
+        let frame = RayFrame::new(self.ray);
+        let mut ray = SingleRay::new(&frame, self.start.from, self.wanted, self.view.tree.frame());
+        single.clear();
+        search_ahead(simd, self.view, leaf, (guess, error), (&mut ray, &mut *single));
+        flight.alone |= !single.undecided.is_empty();
+        if let Some(hit) = single.hit()
+            && flight.takes(self.view, &hit.place(), self.wanted)
+        {
+            flight.hit = *hit;
+        }
+    }
+}
+
+impl Flight {
+    /// Puts the ray among those on their way, if there is anything more for it to enter.
+    #[inline(always)]
+    fn go_on(&mut self, k: u32, walking: &mut Vec<(u32, ChildCode)>) {
+        while let Some((entry, code)) = self.stack.pop() {
+            if entry <= self.boxes.far {
+                walking.push((k, code));
+                return;
+            }
+        }
+    }
+
+    /// Goes on in other scaled coordinates. (Back in the first ones, they may be rounded
+    /// differently from those of [`start`], but in the same way for every such ray.)
+    #[cold]
+    fn change_to(&mut self, scaled: &ScaledFrame, ray: &Ray) {
+        let frame = RayFrame::new(ray);
+        let end = if self.met { self.hit.z } else { frame.z_range[1] };
+        (self.boxes, self.shift) = boxes_in(scaled, &frame, end);
+        self.scale = scaled.scale;
+    }
+
+    /// Whether nothing more is asked for.
+    #[inline(always)]
+    fn is_done(&self) -> bool {
+        self.boxes.far == f32::NEG_INFINITY
+    }
+
+    /// Whether a hit is the nearest so far; if so, ends the ray there or, if any will do, at once.
+    #[inline(always)]
+    fn takes(&mut self, view: &BvhView<'_>, hit: &HitPlace, wanted: Wanted) -> bool {
+        let known = self.hit.place();
+        match keep(hit, view, self.met.then_some(&known)) {
+            Kept::Nearer => {
+                self.boxes.far = wanted.far(hit.z, self.shift, self.scale);
+                self.met = true;
+                if self.is_done() {
+                    self.stack.clear();
+                }
+                return true;
+            }
+            Kept::Not => {}
+            Kept::Undecided => self.alone = true,
+        }
+        false
+    }
+}
+
+/// Searches all pairs added so far, those of one form together.
+#[simd]
+fn search_pairs<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stream: &mut Stream) {
+    let Stream { flights, pairs, lanes, single, statistics, wanted, .. } = stream;
+    if pairs.windows(2).any(|pair| pair[0].form != pair[1].form) {
+        pairs.sort_by_key(|pair| pair.form);
+    }
+    let mut rest = &pairs[..];
+    while let Some(first) = rest.first() {
+        let alike = rest.iter().take(LANES).take_while(|pair| pair.form == first.form).count();
+        let (group, others) = rest.split_at(alike);
+        rest = others;
+        let outcomes = lanes.search(simd, view, shots, group);
+        statistics.newton_iterations += u64::from(outcomes.steps);
+        for (lane, pair) in group.iter().enumerate() {
+            let flight = &mut flights[pair.ray as usize];
+            let cut_off =
+                has(outcomes.at_end, lane) && is_cut_off(&lanes.place(lane, pair.leaf), view);
+            flight.alone |= has(outcomes.undecided, lane) && !cut_off;
+            if has(outcomes.met, lane) {
+                if flight.takes(view, &lanes.place(lane, pair.leaf), *wanted) {
+                    lanes.put(lane, pair.leaf, &mut flight.hit);
+                }
+            } else if has(outcomes.unconverged, lane) && !flight.is_done() {
+                let shot = &shots[pair.ray as usize];
+                let asked = StreamRay::new(view, shot, *wanted, pair.ray);
+                let patch = &view.piece_of(pair.leaf).patch;
+                let error = patch.error_bound(flight.magnitude);
+                asked.search(simd, pair.leaf, (None, error), flight, single);
+            }
+            if flight.alone {
+                flight.stack.clear();
+            }
+        }
+    }
+}

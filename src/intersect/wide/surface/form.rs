@@ -1,0 +1,96 @@
+//! The form of a piece's sums: their degrees, how many numbers a point has, and of which functions
+//! they are.
+
+use super::lane_net::MOST_DEGREE;
+use crate::math::bernstein;
+use crate::patch::TensorPatch;
+
+/// The degrees of a piece, whether its weights differ, and whether its sums are made by powers.
+/// Pieces of one form can be searched side by side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::intersect::wide) struct Form {
+    degree: [u8; 2],
+    pub(in crate::intersect::wide) rational: bool,
+    pub(in crate::intersect::wide) by_powers: bool,
+}
+
+const _: () = assert!(bernstein::MAX_DEGREE <= u8::MAX as usize);
+
+impl Default for Form {
+    /// The form of bilinear pieces.
+    fn default() -> Self {
+        Self { degree: [1, 1], rational: false, by_powers: false }
+    }
+}
+
+impl Form {
+    /// The form of a piece.
+    #[inline(always)]
+    pub(in crate::intersect::wide) fn of(patch: &TensorPatch) -> Self {
+        let degree = patch.degree().map(|degree| degree as u8);
+        Self { degree, rational: patch.is_rational(), by_powers: patch.sums_by_powers() }
+    }
+
+    /// The form of a piece, if pairs can have it.
+    #[inline(always)]
+    pub(in crate::intersect::wide) fn of_pairs(patch: &TensorPatch) -> Option<Self> {
+        let [p, q] = patch.degree();
+        (p.max(q) <= MOST_DEGREE).then(|| Self::of(patch))
+    }
+
+    /// The degrees in `s` and `t`.
+    #[inline(always)]
+    pub(in crate::intersect::wide) fn degree(self) -> [usize; 2] {
+        self.degree.map(usize::from)
+    }
+
+    /// The larger of both degrees.
+    #[inline(always)]
+    pub(in crate::intersect::wide) fn highest_degree(self) -> usize {
+        let [p, q] = self.degree();
+        p.max(q)
+    }
+
+    /// Numbers in a row of the net.
+    #[inline(always)]
+    pub(super) fn row_length(self) -> usize {
+        (if self.rational { 4 } else { 3 }) * (self.degree()[1] + 1)
+    }
+}
+
+/// Evaluates an expression in which the numbers of a form are constants, so that its loops are
+/// unrolled: the degrees `$p` and `$q` of the most common forms, else zeros, which stand for any
+/// degrees; and `$c`, how many numbers a point has, four for rational pieces, else three.
+macro_rules! with_degrees {
+    (@of $($name:ident = $number:literal),*; $value:expr) => {{
+        $(const $name: usize = $number;)*
+        $value
+    }};
+    ($form:expr, |$p:ident, $q:ident, $c:ident| $value:expr) => {
+        match ($form.degree(), $form.rational) {
+            ([3, 3], true) => with_degrees!(@of $p = 3, $q = 3, $c = 4; $value),
+            ([3, 3], false) => with_degrees!(@of $p = 3, $q = 3, $c = 3; $value),
+            ([2, 2], true) => with_degrees!(@of $p = 2, $q = 2, $c = 4; $value),
+            ([2, 1], true) => with_degrees!(@of $p = 2, $q = 1, $c = 4; $value),
+            ([1, 2], true) => with_degrees!(@of $p = 1, $q = 2, $c = 4; $value),
+            ([1, 1], false) => with_degrees!(@of $p = 1, $q = 1, $c = 3; $value),
+            (_, true) => with_degrees!(@of $p = 0, $q = 0, $c = 4; $value),
+            (_, false) => with_degrees!(@of $p = 0, $q = 0, $c = 3; $value),
+        }
+    };
+}
+
+/// The same for `$c` alone.
+macro_rules! with_numbers {
+    ($form:expr, |$c:ident| $value:expr) => {
+        if $form.rational {
+            const $c: usize = 4;
+            $value
+        } else {
+            const $c: usize = 3;
+            $value
+        }
+    };
+}
+
+pub(in crate::intersect::wide) use {with_degrees, with_numbers};
