@@ -28,14 +28,6 @@ pub(super) struct CreasedQuad {
     sharpness: [f64; 2],
 }
 
-/// What the surface over a quad or a strip is.
-pub(super) enum Strips {
-    /// One patch.
-    One(Net),
-    /// That of its two halves across the creases, the lower one first.
-    Halves([CreasedQuad; 2]),
-}
-
 impl CreasedQuad {
     /// The quad of a face; `None` where it does not consist of strips.
     pub(super) fn of(mesh: &Mesh, face: usize) -> Option<Self> {
@@ -62,9 +54,9 @@ impl CreasedQuad {
         for (k, [u, v]) in PLACES.into_iter().enumerate() {
             let around = Around::of(mesh, corner(k))?;
             let ([a, b], [c, d]) = (LEAVING[k], LEAVING[(k + 3) % 4]);
-            let beyond = [([-a, -b], around.behind), ([c, d], around.beside)];
-            let all = [([0, 0], Some(mesh.at(corner(k)))), ([c - a, d - b], around.opposite)];
-            for ([x, y], point) in all.into_iter().chain(beyond) {
+            let steps = [[0, 0], [-a, -b], [c, d], [c - a, d - b]];
+            let found = [Some(mesh.at(corner(k))), around.behind, around.beside, around.opposite];
+            for ([x, y], point) in steps.into_iter().zip(found) {
                 if let Some(point) = point {
                     points[u.wrapping_add_signed(x)][v.wrapping_add_signed(y)] = point;
                 }
@@ -88,11 +80,12 @@ impl CreasedQuad {
         self.across
     }
 
-    /// One patch if nothing is sharp any more, else halves, refined by one step across the creases.
-    pub(super) fn strips(&self) -> Strips {
+    /// The two halves across the creases, the lower one first, refined by one step; `None` if
+    /// nothing is sharp any more.
+    pub(super) fn halves(&self) -> Option<[Self; 2]> {
         let Self { across, rows, sharpness: [first, last] } = *self;
         if first == 0.0 && last == 0.0 {
-            return Strips::One(patch(across, rows));
+            return None;
         }
         let [before, first_row, last_row, after] = rows;
         let start = middle(before, first_row);
@@ -101,15 +94,16 @@ impl CreasedQuad {
         let from = moved([before, first_row, last_row], first);
         let to = moved([first_row, last_row, after], last);
         let [first, last] = [first, last].map(decayed);
-        Strips::Halves([
+        Some([
             Self { across, rows: [start, from, centre, to], sharpness: [first, 0.0] },
             Self { across, rows: [from, centre, to, end], sharpness: [0.0, last] },
         ])
     }
 
-    /// A patch near the surface over the quad: as if the rows were sharp for ever, but with their
-    /// borders, and the points beside them, moved to where the surface ends.
-    pub(super) fn one_patch(&self) -> Net {
+    /// The patch that the surface over the quad is if nothing is sharp. Else a patch near it: as if
+    /// the rows were sharp for ever, but with their borders, and the points beside them, moved to
+    /// where the surface ends.
+    pub(super) fn patch(&self) -> Net {
         let [before, first_row, last_row, after] = self.rows;
         let [first, last] = self.sharpness;
         let mut rows = self.rows;
@@ -122,7 +116,7 @@ impl CreasedQuad {
             rows[3] = beyond(last_row, first_row);
             ends[1] = minus(limit([first_row, last_row, after], last), last_row);
         }
-        let mut net = patch(self.across, rows);
+        let mut net = bezier_patch(self.across, rows);
         let moves = ends.map(bezier);
         for (k, point) in net.iter_mut().enumerate() {
             let place = [k / 4, k % 4];
@@ -134,7 +128,7 @@ impl CreasedQuad {
 }
 
 /// The Bézier patch of a spline given by its rows across an axis, v fastest.
-fn patch(across: usize, rows: [[DVec3; 4]; 4]) -> Net {
+fn bezier_patch(across: usize, rows: [[DVec3; 4]; 4]) -> Net {
     let points = transposed(transposed(rows.map(bezier)).map(bezier));
     let points = if across == 0 { points } else { transposed(points) };
     std::array::from_fn(|k| points[k / 4][k % 4])

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::Cage;
 use super::cage_error::LimitError;
-use super::creased::{CreasedQuad, Strips};
+use super::creased::CreasedQuad;
 use super::limit_surface::{FaceRect, LimitPatch, LimitSurface};
 use super::mesh::Mesh;
 use super::seams;
@@ -150,15 +150,13 @@ impl Tree {
 
     /// Gives a square beside a semi-sharp crease its strips.
     pub(super) fn set_strips(&mut self, node: u32, quad: &CreasedQuad) -> Result<(), LimitError> {
-        match quad.strips() {
-            Strips::One(net) => self.set_exact(node, net),
-            Strips::Halves(halves) => {
-                let near = Some(quad.one_patch());
-                let first = self.open(node, near, Cut::Halves(quad.across()))?;
-                for (half, node) in halves.iter().zip(first..) {
-                    self.set_strips(node, half)?;
-                }
-            }
+        let Some(halves) = quad.halves() else {
+            self.set_exact(node, quad.patch());
+            return Ok(());
+        };
+        let first = self.open(node, Some(quad.patch()), Cut::Halves(quad.across()))?;
+        for (half, node) in halves.iter().zip(first..) {
+            self.set_strips(node, half)?;
         }
         Ok(())
     }
