@@ -31,6 +31,9 @@ mod crossings;
 mod curve;
 mod domain;
 mod error;
+#[cfg(test)]
+mod joint_tests;
+mod joints;
 mod monotone;
 mod outline;
 #[cfg(test)]

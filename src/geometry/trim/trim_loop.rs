@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3, DVec4};
 
 use super::curve::euclidean;
+use super::joints::{self, Gauge};
 use super::{TrimCurve, TrimDomain, TrimLoopError, UvBox};
 use crate::geometry::Direction;
 use crate::geometry::construct::Course;
@@ -32,8 +33,8 @@ const ALONG: f64 = 1e-3;
 ///
 /// # Invariants, checked once on construction
 /// - the ends meet to within [`JOINT_TOLERANCE`] times the loop's extent (in u and v separately)
-///   plus a few rounding errors of its magnitude, and are then made equal: next to one straight
-///   line they move to its end, between two lines to their intersection, else to the middle;
+///   plus a few rounding errors of its magnitude, and are then made equal: the curves end where
+///   they meet near the gap, if need be extended, or are joined there by a short straight line;
 /// - the loop is not a point.
 ///
 /// Crossings of the loop with itself are found together with those of other loops, in
@@ -80,12 +81,12 @@ impl TrimLoop {
         }
 
         // Close the gaps, or report one that is too wide.
-        let tolerance = JOINT_TOLERANCE * bounds.size() + 16.0 * f64::EPSILON * bounds.magnitude();
+        let gauge = Gauge::new(bounds, JOINT_TOLERANCE);
         let mut widest_gap = 0.0f64;
         for this in 0..pieces.len() {
             let next = (this + 1) % pieces.len();
             let (end, start) = (pieces[this].ends[1], pieces[next].ends[0]);
-            let gap = start - end;
+            let (gap, tolerance) = (start - end, gauge.tolerance);
             if !gap.abs().cmple(tolerance).all() {
                 let (curve, next) = (owners[this], owners[next]);
                 return Err(TrimLoopError::Open { curve, next, end, gap, tolerance });
@@ -94,22 +95,8 @@ impl TrimLoop {
             for k in (0..2).filter(|&k| lengths[k] > 0.0) {
                 widest_gap = widest_gap.max(gap[k].abs() / lengths[k]);
             }
-            let middle = 0.5 * end + 0.5 * start;
-            let joint = match (pieces[this].is_line(), pieces[next].is_line()) {
-                _ if start == end => end,
-                (true, false) => end,
-                (false, true) => start,
-                (false, false) => middle,
-                (true, true) => {
-                    let corner = corner(pieces[this].ends, pieces[next].ends);
-                    // False for NaN, which parallel lines give.
-                    let near = |at: DVec2| (at - middle).abs().cmple(tolerance).all();
-                    if near(corner) { corner } else { middle }
-                }
-            };
-            pieces[this].move_end(1, joint);
-            pieces[next].move_end(0, joint);
         }
+        joints::close(&mut pieces, &gauge);
         Ok(Self { pieces, widest_gap })
     }
 
@@ -145,11 +132,7 @@ impl TrimLoop {
     /// The loop run backwards, which cuts the same.
     #[must_use]
     pub fn reversed(&self) -> Self {
-        let backwards = |piece: &LoopPiece| LoopPiece {
-            ends: [piece.ends[1], piece.ends[0]],
-            control: piece.control.iter().rev().copied().collect(),
-        };
-        Self { pieces: self.pieces.iter().rev().map(backwards).collect(), ..*self }
+        Self { pieces: self.pieces.iter().rev().map(LoopPiece::reversed).collect(), ..*self }
     }
 
     /// The loop moved by `by`; each control point is rounded once.
@@ -165,16 +148,15 @@ impl TrimLoop {
     /// The loop with those pieces that run along a seam within [`SEAM_TOLERANCE`] straightened and
     /// put on the seam. The distance by which they move counts as a gap.
     pub(super) fn straight_along_seams(&self, domain: &TrimDomain) -> Self {
-        let (mut straight, size) = (self.clone(), self.bounds().size());
+        let (mut straight, bounds) = (self.clone(), self.bounds());
+        let size = bounds.size();
         for (axis, direction) in [Direction::U, Direction::V].into_iter().enumerate() {
             if !domain.is_periodic(direction) {
                 continue;
             }
             let [start, end] = domain.range()[axis];
             let period = end - start;
-            let count = straight.pieces.len();
-            for index in 0..count {
-                let piece = &mut straight.pieces[index];
+            for piece in &mut straight.pieces {
                 let periods = ((piece.ends[0][axis] - start) / period).round();
                 let seam = if periods == 1.0 { end } else { start + periods * period };
                 let off = piece.hull().map(|point| (point[axis] - seam).abs()).fold(0.0, f64::max);
@@ -187,11 +169,9 @@ impl TrimLoop {
                 straight.widest_gap = straight.widest_gap.max(off / size[axis]);
                 piece.control.iter_mut().for_each(|point| point[axis] = point.z * seam);
                 piece.ends.iter_mut().for_each(|end| end[axis] = seam);
-                let [from, to] = piece.ends;
-                straight.pieces[(index + count - 1) % count].move_end(1, from);
-                straight.pieces[(index + 1) % count].move_end(0, to);
             }
         }
+        joints::close(&mut straight.pieces, &Gauge::new(bounds, JOINT_TOLERANCE));
         straight
     }
 
@@ -226,28 +206,24 @@ impl TrimLoop {
     }
 }
 
-/// The intersection of two lines; NaN or far away if they are parallel. A coordinate that is
-/// constant along one of them is kept.
-fn corner([a0, a1]: [DVec2; 2], [b0, b1]: [DVec2; 2]) -> DVec2 {
-    let (a, b) = (a1 - a0, b1 - b0);
-    let along = (b0 - a1).perp_dot(b) / a.perp_dot(b);
-    let meet = a1 + along * a;
-    let mut corner = DVec2::select(b.cmpeq(DVec2::ZERO), b0, meet);
-    for k in 0..2 {
-        if a[k] == 0.0 {
-            corner[k] = a1[k];
-        }
-    }
-    corner
-}
-
 impl LoopPiece {
-    fn hull(&self) -> impl Iterator<Item = DVec2> + '_ {
+    /// The straight line between two points.
+    pub(super) fn line(ends: [DVec2; 2]) -> Self {
+        Self { ends, control: ends.map(|end| end.extend(1.0)).into() }
+    }
+
+    /// The piece run backwards.
+    pub(super) fn reversed(&self) -> Self {
+        let [from, to] = self.ends;
+        Self { ends: [to, from], control: self.control.iter().rev().copied().collect() }
+    }
+
+    pub(super) fn hull(&self) -> impl Iterator<Item = DVec2> + '_ {
         self.control.iter().map(|&c| euclidean(c)).chain(self.ends)
     }
 
     /// Moves the beginning (0) or the end (1) of the piece, together with the control point there.
-    fn move_end(&mut self, which: usize, to: DVec2) {
+    pub(super) fn move_end(&mut self, which: usize, to: DVec2) {
         if self.ends[which] == to {
             return;
         }
@@ -258,7 +234,7 @@ impl LoopPiece {
     }
 
     /// Whether the piece is a straight line by its degree, which is 1.
-    fn is_line(&self) -> bool {
+    pub(super) fn is_line(&self) -> bool {
         self.control.len() == 2
     }
 }
