@@ -299,7 +299,13 @@ impl Course {
     }
 
     /// The first place where the course turns round and runs back.
-    pub(in crate::geometry) fn fold(&self) -> Option<Fold> {
+    pub(super) fn fold(&self) -> Option<Fold> {
+        self.folds().into_iter().next()
+    }
+
+    /// The places where the course turns round and runs back, in order.
+    pub(in crate::geometry) fn folds(&self) -> Vec<Fold> {
+        let mut folds = Vec::new();
         let mut first: Option<Stretch<'_>> = None;
         let mut before: Option<Stretch<'_>> = None;
         for piece in &self.pieces {
@@ -310,15 +316,14 @@ impl Course {
                 if length(stretch.run()) <= self.slack {
                     continue;
                 }
-                if let Some(fold) = before.and_then(|before| self.fold_between(before, stretch)) {
-                    return Some(fold);
-                }
+                folds.extend(before.and_then(|before| self.fold_between(before, stretch)));
                 first = first.or(Some(stretch));
                 before = Some(stretch);
             }
         }
         let seam = before.zip(first).filter(|_| self.closed);
-        seam.and_then(|(last, first)| self.fold_between(last, first))
+        folds.extend(seam.and_then(|(last, first)| self.fold_between(last, first)));
+        folds
     }
 
     /// The fold between two consecutive stretches, if the second runs back over the first.

@@ -6,6 +6,7 @@ use std::ops::Range;
 use glam::DVec2;
 
 use super::contacts::{Contact, contacts_after};
+use super::lobes::Lobes;
 use super::segment::Segment;
 use super::tree::Tree;
 use super::{TrimError, TrimLoopError, UvBox};
@@ -46,7 +47,8 @@ const FIRST_LOOK: usize = 64;
 /// touches itself. Likewise, where a strand crosses another loop, it changes between the inside and
 /// the outside of that loop. These values are computed along the strands where they come near
 /// another one, at points clear of it. Whatever happens at a common corner or along a common
-/// stretch, the values before and after it tell a crossing from a touch.
+/// stretch, the values before and after it tell a crossing from a touch. The values along [small
+/// lobes](Lobes) are left out.
 pub(super) fn check_crossings(
     segments: &[Segment],
     loops: &[Range<usize>],
@@ -86,10 +88,16 @@ fn check_contacts(
     owners: &[usize],
     contacts: &[Contact],
 ) -> Result<(), TrimError> {
+    let mut own: BTreeMap<usize, Vec<&Contact>> = BTreeMap::new();
+    for contact in contacts.iter().filter(|contact| contact.loops[0] == contact.loops[1]) {
+        own.entry(contact.loops[0]).or_default().push(contact);
+    }
     for ([this, other], found) in by_loops(contacts) {
+        let own = own.get(&this).filter(|_| this == other);
         let strand = Strand {
             segments,
             range: loops[this].clone(),
+            lobes: Lobes::between(own.into_iter().flatten().copied(), segments, &loops[this]),
             other: Tree::new(segments, std::slice::from_ref(&loops[other])),
             itself: this == other,
         };
@@ -175,6 +183,7 @@ enum Course {
 struct Strand<'a> {
     segments: &'a [Segment],
     range: Range<usize>,
+    lobes: Lobes,
     other: Tree,
     /// Whether the other is the loop itself.
     itself: bool,
@@ -187,6 +196,9 @@ impl Strand<'_> {
         for (&index, stretches) in near {
             for place in places(&self.segments[index], stretches) {
                 let place = index as f64 + place;
+                if self.lobes.hold(place) {
+                    continue;
+                }
                 let Some(value) = self.value(place) else { continue };
                 hidden = false;
                 match before {
@@ -267,10 +279,7 @@ impl Strand<'_> {
 /// The places along a segment, in the direction of its loop, at which to compute the value: between
 /// the stretches that are near another curve, and within them.
 fn places(segment: &Segment, stretches: &[[f64; 2]]) -> Vec<f64> {
-    let directed = |[from, to]: [f64; 2]| {
-        if segment.is_forward() { [from, to] } else { [1.0 - to, 1.0 - from] }
-    };
-    let mut ends: Vec<f64> = stretches.iter().copied().flat_map(directed).collect();
+    let mut ends: Vec<f64> = stretches.iter().flat_map(|one| segment.directed(*one)).collect();
     ends.extend([0.0, 1.0]);
     ends.sort_by(f64::total_cmp);
     let between = ends.windows(2).flat_map(|range| {

@@ -16,6 +16,16 @@ fn measured(point: DVec2) -> String {
     format!("({}, {})", Measured(point.x), Measured(point.y))
 }
 
+/// Two points of (u, v) that were computed, with as many digits as it takes to tell them apart.
+fn told_apart(points: [DVec2; 2]) -> [String; 2] {
+    let with = |digits: usize| {
+        let rounded = |x: f64| format!("{x:.digits$e}").parse().unwrap_or(x);
+        points.map(|point| shown(DVec2::new(rounded(point.x), rounded(point.y))))
+    };
+    let differ = |texts: &[String; 2]| texts[0] != texts[1];
+    (5..17).map(with).find(differ).unwrap_or_else(|| with(17))
+}
+
 /// Why numbers cannot be a curve of a trim loop.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -164,7 +174,7 @@ pub enum TrimLoopError {
     #[error(
         "the loop has a dangling edge: at {} it turns round and runs back over itself, to {} at \
          least; leave that edge out, in which nothing is enclosed",
-        measured(*.at), measured(*.until)
+        told_apart([*.at, *.until])[0], told_apart([*.at, *.until])[1]
     )]
     Dangling {
         /// Where it turns round.

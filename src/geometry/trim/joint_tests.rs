@@ -140,7 +140,7 @@ fn a_gap_in_a_smooth_curve_bends_nothing() {
 /// Crescents, whose curves are tangent at the tip, with a gap there.
 #[test]
 fn a_gap_at_a_cusp_bends_nothing() {
-    for gap in [2e-5, 1e-5] {
+    for gap in [2e-5, 1e-9, -1e-9, -5e-7] {
         let radii = [0.4, 0.2];
         let centers = [DVec2::new(0.5, 0.5), DVec2::new(0.7 - gap, 0.5)];
         let circles = [
@@ -208,6 +208,27 @@ fn curves_stay_as_they_are_written() {
                 if away > 10.0 * width + 1e-6 {
                     let normal = (to - from).perp().normalize();
                     assert!(is_edge_at(&star, at, normal), "{round}, {width:e}: {at}");
+                }
+            }
+        }
+    }
+}
+
+/// Pieces shorter than the gap, before and after it.
+#[test]
+fn pieces_may_be_shorter_than_gaps() {
+    for gap in [1e-5, -1e-5, 5e-5, -5e-5] {
+        for short in [1e-6, 1e-7] {
+            let first = points(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0 - short), (1.0, 1.0)]);
+            let second = points(&[(1.0, 1.0), (1.0 - short, 1.0), (0.0, 1.0), (0.0, 0.0)]);
+            for off in [DVec2::X, DVec2::Y, DVec2::ONE] {
+                let second: Vec<DVec2> =
+                    second.iter().map(|&at| at + gap * at.x * at.y * off).collect();
+                let curves = [&first, &second].map(|list| TrimCurve::polyline(list).unwrap());
+                let square = trims(&[TrimLoop::new(&curves).unwrap()]);
+                for k in 0..1000 {
+                    let v = f64::from(k) * 1e-3 + 5e-4;
+                    assert!(is_edge_at(&square, DVec2::new(1.0, v), DVec2::X), "{gap}: {v}");
                 }
             }
         }

@@ -34,6 +34,9 @@ mod error;
 #[cfg(test)]
 mod joint_tests;
 mod joints;
+#[cfg(test)]
+mod lobe_tests;
+mod lobes;
 mod monotone;
 mod outline;
 #[cfg(test)]
@@ -50,6 +53,7 @@ mod uv_box;
 pub use curve::{MAX_TRIM_POINTS, TrimCurve};
 pub use domain::TrimDomain;
 pub use error::{TrimCurveError, TrimError, TrimLoopError};
+pub use lobes::LOBE_TOLERANCE;
 pub(in crate::geometry) use stretches::EdgePiece;
 pub use trim_loop::{JOINT_TOLERANCE, SEAM_TOLERANCE, TrimLoop};
 pub use trims::{Coverage, Kept, MAX_TRIM_SEGMENTS, Side, Trims};

@@ -213,6 +213,11 @@ impl Segment {
         self.at(if self.forward { along } else { 1.0 - along })
     }
 
+    /// A stretch of its own parameter as one of fractions in the direction of the loop.
+    pub(super) fn directed(&self, [from, to]: [f64; 2]) -> [f64; 2] {
+        if self.forward { [from, to] } else { [1.0 - to, 1.0 - from] }
+    }
+
     /// The point at `t`, not clamped, by Horner's scheme for `Σ cᵢ tⁱ (1 − t)^(p−i)`: all terms of
     /// the weight are positive, so no precision is lost for `t` near either end.
     #[inline]

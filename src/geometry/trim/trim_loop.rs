@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3, DVec4};
 
 use super::curve::euclidean;
 use super::joints::{self, Gauge};
+use super::lobes::LOBE_TOLERANCE;
 use super::{TrimCurve, TrimDomain, TrimLoopError, UvBox};
 use crate::geometry::Direction;
 use crate::geometry::construct::Course;
@@ -186,19 +187,24 @@ impl TrimLoop {
         UvBox::around(self.pieces.iter().flat_map(LoopPiece::hull))
     }
 
-    /// Fails if the loop turns round and runs back over what it has just run through. (A bridge to
-    /// another part of the loop, crossed once and later back, does not count.)
+    /// Fails if the loop turns round and runs back over what it has just run through, unless this
+    /// is no longer than a [lobe](LOBE_TOLERANCE). (A bridge to another part of the loop, crossed
+    /// once and later back, does not count.)
     pub(super) fn check_dangling(&self) -> Result<(), TrimLoopError> {
         // u and v are unrelated: narrowness in one of them is relative to the loop's extent in that
         // one.
-        let size = self.bounds().size();
-        let size = DVec2::select(size.cmpgt(DVec2::ZERO), size, DVec2::splat(size.max_element()));
+        let Gauge { size, .. } = Gauge::new(self.bounds(), JOINT_TOLERANCE);
         let in_space = |c: &DVec3| DVec4::new(c.x / size.x, c.y / size.y, 0.0, c.z);
         let pieces = self.pieces.iter().map(|piece| piece.control.iter().map(in_space).collect());
         let course = Course::closed(pieces);
-        let Some(fold) = course.fold() else { return Ok(()) };
-        let [at, until] = [fold.t, fold.until].map(|t| size * course.point_at(t).truncate());
-        Err(TrimLoopError::Dangling { at, until })
+        for fold in course.folds() {
+            let [at, until] = [fold.t, fold.until].map(|t| size * course.point_at(t).truncate());
+            let is_short = ((until - at) / size).abs().max_element() <= LOBE_TOLERANCE;
+            if !is_short {
+                return Err(TrimLoopError::Dangling { at, until });
+            }
+        }
+        Ok(())
     }
 
     pub(super) fn pieces(&self) -> &[LoopPiece] {
