@@ -196,7 +196,7 @@ impl LoopSpec {
             LoopKind::Curves(curves) => {
                 let made = curves.iter().enumerate();
                 let made = made.map(|(at, curve)| trim_curve(name, [index, at], curve));
-                TrimLoop::new(&made.collect::<Result<Vec<_>, _>>()?)
+                TrimLoop::on(&domain, &made.collect::<Result<Vec<_>, _>>()?)
             }
         };
         made.map_err(|error| {

@@ -20,10 +20,15 @@ pub(super) const MAX_PARAMETER: f64 = 1e100;
 /// period from where it began, and which side of it is meant is unknown. Complete such a cut to a
 /// loop along the seam and a border, as on an unrolled sheet, or join two such cuts along the seam
 /// to bound a band.
+///
+/// A side may be a *pole*, which the surface collapses to a point. The curves of a loop
+/// [on the domain](super::TrimLoop::on) need not say how they go from one place of it to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrimDomain {
     range: [[f64; 2]; 2],
     periodic: [bool; 2],
+    /// Whether the sides at the smallest and the largest u, and v, are poles.
+    poles: [[bool; 2]; 2],
 }
 
 impl TrimDomain {
@@ -38,10 +43,10 @@ impl TrimDomain {
                 return Err(TrimError::Domain { direction, start, end });
             }
         }
-        Ok(Self { range: [u, v], periodic: [false; 2] })
+        Ok(Self { range: [u, v], periodic: [false; 2], poles: [[false; 2]; 2] })
     }
 
-    /// The domain of a surface, periodic in neither direction.
+    /// The domain of a surface, periodic in neither direction and without poles.
     ///
     /// # Errors
     /// When the surface's parameters go beyond 10¹⁰⁰.
@@ -51,7 +56,7 @@ impl TrimDomain {
     }
 
     /// The domain of a surface, periodic where the surface
-    /// [closes on itself](NurbsSurface::closes).
+    /// [closes on itself](NurbsSurface::closes), with its poles.
     ///
     /// # Errors
     /// When the surface's parameters go beyond 10¹⁰⁰.
@@ -60,6 +65,14 @@ impl TrimDomain {
         for direction in [Direction::U, Direction::V] {
             if surface.closes(direction) {
                 domain = domain.periodic_in(direction);
+            }
+            let axis = direction as usize;
+            for (side, at) in domain.range[axis].into_iter().enumerate() {
+                let border = match direction {
+                    Direction::U => surface.curve_at_u(at),
+                    Direction::V => surface.curve_at_v(at),
+                };
+                domain.poles[axis][side] = border.is_ok_and(|border| border.is_point());
             }
         }
         Ok(domain)
@@ -72,9 +85,11 @@ impl TrimDomain {
         self
     }
 
-    /// The domain with another range in u, which must be as valid as its present one.
-    pub(super) fn with_range_u(mut self, range: [f64; 2]) -> Self {
+    /// The domain run backwards in u, with another range, which must be as valid as its present
+    /// one.
+    pub(super) fn reversed_u(mut self, range: [f64; 2]) -> Self {
         self.range[0] = range;
+        self.poles[0].reverse();
         self
     }
 
@@ -86,6 +101,21 @@ impl TrimDomain {
     /// Whether the domain closes on itself in a direction.
     pub fn is_periodic(&self, direction: Direction) -> bool {
         self.periodic[direction as usize]
+    }
+
+    /// The way along a pole between two points no farther than `slack` from it; `None` if there is
+    /// no such pole.
+    pub(super) fn along_pole(&self, ends: [DVec2; 2], slack: DVec2) -> Option<[DVec2; 2]> {
+        let sides = [[0, 0], [0, 1], [1, 0], [1, 1]];
+        let pole = sides.into_iter().find(|&[axis, side]| {
+            let off = |end: &DVec2| (end[axis] - self.range[axis][side]).abs();
+            self.poles[axis][side] && ends.iter().all(|end| off(end) <= slack[axis])
+        });
+        pole.map(|[axis, side]| {
+            let mut way = ends;
+            way.iter_mut().for_each(|end| end[axis] = self.range[axis][side]);
+            way
+        })
     }
 
     /// Restates an error about a loop for loops on this domain: a loop that is open by just the

@@ -5,7 +5,8 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec2;
 
 use super::tests::{Random, trims};
-use super::{Side, TrimCurve, TrimLoop, TrimLoopError, Trims};
+use super::{Kept, Side, TrimCurve, TrimDomain, TrimLoop, TrimLoopError, Trims};
+use crate::geometry::{NurbsSurface, TrimmedSurface, shapes};
 
 fn points(list: &[(f64, f64)]) -> Vec<DVec2> {
     list.iter().map(|&point| point.into()).collect()
@@ -232,5 +233,77 @@ fn pieces_may_be_shorter_than_gaps() {
                 }
             }
         }
+    }
+}
+
+/// Curves that run up a cone to its tip at u = 0.7 and down from it at u = 0.2, as fractions of the
+/// domain; `off` is how far from the tip they end.
+fn up_and_down(cone: &NurbsSurface, off: f64) -> [TrimCurve; 3] {
+    let [(u0, u1), (v0, v1)] = cone.domain();
+    let at = |(u, v)| DVec2::new(u0 + u * (u1 - u0), v0 + v * (v1 - v0));
+    let line = |from, to| TrimCurve::line(at(from), at(to)).unwrap();
+    [
+        line((0.2, 0.1), (0.7, 0.1)),
+        line((0.7, 0.1), (0.7, 1.0 - off)),
+        line((0.2, 1.0 + off), (0.2, 0.1)),
+    ]
+}
+
+/// A loop may go from one place of a pole to any other, as the pole is a point.
+#[test]
+fn a_gap_along_a_pole_is_none() {
+    let cone = shapes::cone(1.0, 2.0).unwrap();
+    let [(u0, u1), (v0, v1)] = cone.domain();
+    let domain = TrimDomain::with_seams_of(&cone).unwrap();
+    for off in [0.0, 1e-15, 1e-7, 5e-5, -5e-5] {
+        let curves = up_and_down(&cone, off);
+        assert!(matches!(TrimLoop::new(&curves), Err(TrimLoopError::Open { curve: 1, .. })));
+        let one = TrimLoop::on(&domain, &curves).unwrap();
+        // The loop is 0.9 high.
+        assert!((one.widest_gap() - off.abs() / 0.9).abs() < 1e-8, "{off:e}");
+        for one in [one.reversed(), one] {
+            let trims = Trims::new(domain, Kept::Odd, &[one]).unwrap();
+            for k in 1..1000 {
+                let place = |u: f64| {
+                    let v = 0.1 + 0.9 * (1.0 - 0.98f64.powi(k));
+                    trims.contains(DVec2::new(u0 + u * (u1 - u0), v0 + v * (v1 - v0)))
+                };
+                assert_eq!([0.21, 0.69].map(place), [Side::Inside; 2], "{off:e}: {k}");
+                assert_eq!([0.19, 0.71].map(place), [Side::Outside; 2], "{off:e}: {k}");
+            }
+        }
+    }
+    // A narrow gap: what is kept reaches to the tip.
+    let at = |(u, v)| DVec2::new(u0 + u * (u1 - u0), v0 + v * (v1 - v0));
+    let line = |from, to| TrimCurve::line(at(from), at(to)).unwrap();
+    let (left, right) = ((0.45, 1.0), (0.4501, 1.0));
+    let sides = [line((0.2, 0.1), (0.7, 0.1)), line((0.7, 0.1), right), line(left, (0.2, 0.1))];
+    let narrow = TrimLoop::on(&domain, &sides).unwrap();
+    assert_eq!(narrow.widest_gap(), 0.0);
+    let narrow = Trims::new(domain, Kept::Odd, &[narrow]).unwrap();
+    for below in [1e-3, 1e-6, 1e-9, 1e-12] {
+        assert_eq!(narrow.contains(at((0.45005, 1.0 - below))), Side::Inside, "{below:e}");
+    }
+
+    // Too far from the tip; without a tip; and at the other end, which is a circle.
+    assert!(TrimLoop::on(&domain, &up_and_down(&cone, 0.01)).is_err());
+    let without = TrimDomain::of(&cone).unwrap();
+    assert!(TrimLoop::on(&without, &up_and_down(&cone, 0.0)).is_err());
+    let upside_down = TrimDomain::with_seams_of(&cone.reversed_v()).unwrap();
+    assert!(TrimLoop::on(&upside_down, &up_and_down(&cone, 0.0)).is_err());
+}
+
+/// Surfaces run backwards have their poles at the other ends.
+#[test]
+fn poles_are_turned_around_with_the_surface() {
+    for surface in [shapes::disk(1.0), shapes::cone(1.0, 1.0), shapes::sphere_biquadratic(1.0)] {
+        let surface = surface.unwrap();
+        let domain = TrimDomain::with_seams_of(&surface).unwrap();
+        let bounds = domain.bounds();
+        let hole = TrimLoop::circle(bounds.center(), 0.2 * bounds.size().min_element()).unwrap();
+        let trims = Trims::new(domain, Kept::Even, &[hole]).unwrap();
+        let backwards = TrimmedSurface::new(surface, trims).unwrap().reversed_u();
+        let domain = TrimDomain::with_seams_of(backwards.surface()).unwrap();
+        assert_eq!(backwards.trims().domain(), domain);
     }
 }

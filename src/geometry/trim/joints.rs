@@ -46,7 +46,7 @@ impl Gauge {
     }
 
     /// The larger of the components, each relative to the loop's extent.
-    fn length(&self, vector: DVec2) -> f64 {
+    pub(super) fn length(&self, vector: DVec2) -> f64 {
         (vector / self.size).abs().max_element()
     }
 }

@@ -62,6 +62,21 @@ impl TrimLoop {
     /// When there is no curve, one does not begin where the one before it ends, or all are
     /// one point.
     pub fn new(curves: &[TrimCurve]) -> Result<Self, TrimLoopError> {
+        Self::closed(curves, None)
+    }
+
+    /// The loop of these curves on a domain: where one of them ends at a pole, the next one may
+    /// begin at any other place of it, as these are one point in space. The loop then goes there
+    /// along the pole. (CAD files leave out this edge, which has no length, or end and begin on
+    /// either side of it.)
+    ///
+    /// # Errors
+    /// As [`TrimLoop::new`].
+    pub fn on(domain: &TrimDomain, curves: &[TrimCurve]) -> Result<Self, TrimLoopError> {
+        Self::closed(curves, Some(domain))
+    }
+
+    fn closed(curves: &[TrimCurve], domain: Option<&TrimDomain>) -> Result<Self, TrimLoopError> {
         let mut pieces: Vec<LoopPiece> = Vec::new();
         let mut owners = Vec::new();
         for (index, curve) in curves.iter().enumerate() {
@@ -83,12 +98,18 @@ impl TrimLoop {
 
         // Close the gaps, or report one that is too wide.
         let gauge = Gauge::new(bounds, JOINT_TOLERANCE);
-        let mut widest_gap = 0.0f64;
+        let (mut widest_gap, mut ways) = (0.0f64, Vec::new());
         for this in 0..pieces.len() {
             let next = (this + 1) % pieces.len();
             let (end, start) = (pieces[this].ends[1], pieces[next].ends[0]);
-            let (gap, tolerance) = (start - end, gauge.tolerance);
-            if !gap.abs().cmple(tolerance).all() {
+            let (mut gap, tolerance) = (start - end, gauge.tolerance);
+            let slack = tolerance.min(gauge.length(gap) * gauge.size);
+            let is_gap = !gap.abs().cmple(gauge.rounding).all(); // also for NaN
+            let pole = domain.filter(|_| is_gap);
+            if let Some([from, to]) = pole.and_then(|on| on.along_pole([end, start], slack)) {
+                gap = (from - end).abs().max((to - start).abs());
+                ways.push((this + 1, [end, from, to, start]));
+            } else if !gap.abs().cmple(tolerance).all() {
                 let (curve, next) = (owners[this], owners[next]);
                 return Err(TrimLoopError::Open { curve, next, end, gap, tolerance });
             }
@@ -96,6 +117,10 @@ impl TrimLoop {
             for k in (0..2).filter(|&k| lengths[k] > 0.0) {
                 widest_gap = widest_gap.max(gap[k].abs() / lengths[k]);
             }
+        }
+        for (place, way) in ways.into_iter().rev() {
+            let lines = way.windows(2).filter(|ends| ends[0] != ends[1]);
+            pieces.splice(place..place, lines.map(|ends| LoopPiece::line([ends[0], ends[1]])));
         }
         joints::close(&mut pieces, &gauge);
         Ok(Self { pieces, widest_gap })
@@ -188,19 +213,19 @@ impl TrimLoop {
     }
 
     /// Fails if the loop turns round and runs back over what it has just run through, unless this
-    /// is no longer than a [lobe](LOBE_TOLERANCE). (A bridge to another part of the loop, crossed
-    /// once and later back, does not count.)
-    pub(super) fn check_dangling(&self) -> Result<(), TrimLoopError> {
+    /// is no longer than a [lobe](LOBE_TOLERANCE) or lies on a pole of the domain. (A bridge to
+    /// another part of the loop, crossed once and later back, does not count.)
+    pub(super) fn check_dangling(&self, domain: &TrimDomain) -> Result<(), TrimLoopError> {
         // u and v are unrelated: narrowness in one of them is relative to the loop's extent in that
         // one.
-        let Gauge { size, .. } = Gauge::new(self.bounds(), JOINT_TOLERANCE);
+        let Gauge { size, tolerance, .. } = Gauge::new(self.bounds(), JOINT_TOLERANCE);
         let in_space = |c: &DVec3| DVec4::new(c.x / size.x, c.y / size.y, 0.0, c.z);
         let pieces = self.pieces.iter().map(|piece| piece.control.iter().map(in_space).collect());
         let course = Course::closed(pieces);
         for fold in course.folds() {
             let [at, until] = [fold.t, fold.until].map(|t| size * course.point_at(t).truncate());
             let is_short = ((until - at) / size).abs().max_element() <= LOBE_TOLERANCE;
-            if !is_short {
+            if !is_short && domain.along_pole([at, until], tolerance).is_none() {
                 return Err(TrimLoopError::Dangling { at, until });
             }
         }

@@ -142,7 +142,7 @@ impl Trims {
         let tree = Tree::new(&segments, &ranges);
         check_crossings(&segments, &ranges, &owners, &tree)?;
         for (index, trim_loop) in loops.iter().enumerate() {
-            trim_loop.check_dangling().map_err(|error| TrimError::Loop { index, error })?;
+            trim_loop.check_dangling(&domain).map_err(|error| TrimError::Loop { index, error })?;
         }
         let widest_gap = loops.iter().map(TrimLoop::widest_gap).fold(0.0, f64::max);
         Ok(Self { domain, kept, segments, loops: ranges, tree, widest_gap })
@@ -258,7 +258,7 @@ impl Trims {
             }
         }
         let tree = Tree::new(&segments, &loops);
-        let domain = self.domain.with_range_u(new);
+        let domain = self.domain.reversed_u(new);
         look_for_border(&domain, &mut segments);
         Self { domain, kept: self.kept, segments, loops, tree, widest_gap: self.widest_gap }
     }
