@@ -101,7 +101,7 @@ fn gaps_in_trim_loops_are_closed_and_told() {
              trims = {{ loops = [{{ curves = {loops} }}] }}\n"
         )
     };
-    let (near, far) = (scene("[0.00005, 0]"), scene("[0.0002, 0]"));
+    let (near, far) = (scene("[0.00005, 0]"), scene("[0.002, 0]"));
     let sandbox = Sandbox::with(&[("near.toml", &near), ("far.toml", &far)]);
     let text = sandbox.run("info near.toml").succeeded().stdout;
     assert!(text.contains("gaps up to 0.00005 of a loop closed\n"), "{text}");
@@ -110,8 +110,8 @@ fn gaps_in_trim_loops_are_closed_and_told() {
     let run = sandbox.run("info far.toml");
     assert_eq!(run.code, 2);
     let error = run.stderr;
-    assert!(error.contains("the loop is open: curve 1 ends at (0.0002, 0)"), "{error}");
-    assert!(error.contains("gaps up to (0.0001, 0.0001) are closed"), "{error}");
+    assert!(error.contains("the loop is open: curve 1 ends at (0.002, 0)"), "{error}");
+    assert!(error.contains("gaps up to (0.001, 0.001) are closed"), "{error}");
 }
 
 #[test]

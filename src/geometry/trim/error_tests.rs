@@ -48,7 +48,7 @@ fn open_loops_say_by_how_much() {
     assert_eq!(
         error.to_string(),
         "the loop is open: curve 0 ends at (1, 0), but curve 1 begins (0, 0.25) away from \
-         there; gaps up to (0.0001, 0.0001) are closed"
+         there; gaps up to (0.001, 0.001) are closed"
     );
     let open = TrimLoop::new(&curves[..1]).unwrap_err();
     assert!(matches!(open, TrimLoopError::Open { curve: 0, next: 0, gap, .. } if gap.x == -1.0));
