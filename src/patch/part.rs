@@ -8,8 +8,8 @@ use super::{BezierNet, CollapsedSide, DyadicRect, LEAF_SLACK, Piece, WIDENING};
 use crate::geometry::trim::{Coverage, Trims};
 use crate::math::{Aabb, bernstein};
 
-/// A trim curve that stays this near to the border of a part, as a fraction of its sides, is not
-/// worth halving for: the parts on that side would all be as mixed as before.
+/// A trim curve within the domain that stays this near to the border of a part, as a fraction of
+/// its sides, is not worth halving for: the parts on that side would all be as mixed as before.
 const RIM: f64 = 1.0 / 16.0;
 
 /// Leaves flatter than this gain little. Flat leaves need fewer Newton steps, fit their boxes

@@ -265,12 +265,12 @@ pub enum LimitError {
     },
     /// There would be too many patches.
     #[error(
-        "more than {limit} patches are needed for tolerance {}: a larger tolerance, or less sharp \
-         creases, need fewer",
+        "more than {limit} patches are needed for tolerance {}: a larger tolerance needs fewer, \
+         and so do creases that are less sharp or go straight on",
         Shown(*.tolerance)
     )]
     TooManyPatches {
-        /// The largest number of squares: the patches, and the squares through which they are
+        /// The largest number of rectangles: the patches, and the rectangles through which they are
         /// found.
         limit: usize,
         /// The tolerance, in scene units.

@@ -17,9 +17,9 @@ impl Cage {
     ///
     /// Regular quads (four around each corner, or the mirrored halves and quarters of that
     /// at infinitely sharp creases, corners and boundaries) are bicubic patches. Quads beside a
-    /// semi-sharp crease that goes straight on are a few bicubic strips. The others are refined (feature-adaptively: Nießner, Loop, Meyer & DeRose 2012) until
-    /// the remainder is proved to be within the tolerance; then the largest squares that a single
-    /// patch fits are used.
+    /// semi-sharp crease that goes straight on are a few bicubic strips. The others are refined
+    /// (feature-adaptively: Nießner, Loop, Meyer & DeRose 2012) until the remainder is proved to be
+    /// within the tolerance; then the largest squares that a single patch fits are used.
     ///
     /// # Errors
     /// When the tolerance is not a length, is less than [`Cage::smallest_tolerance`], or would need

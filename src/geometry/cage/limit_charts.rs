@@ -46,20 +46,18 @@ impl LimitSurface {
         let wanted = (unit, place_order([uv.x - unit as f64, uv.y]));
         let after = self.patches.partition_point(|patch| patch.rect.square_order() <= wanted);
         let mut index = after.saturating_sub(1);
-        let place = |index: usize| {
-            let FaceRect { unit, low, size, .. } = self.patches[index].rect;
-            let at = DVec2::new(uv.x - unit as f64, uv.y);
-            (at - DVec2::from_array(low)) / DVec2::from_array(size)
+        let at = DVec2::new(uv.x - unit as f64, uv.y);
+        // That was the last strip of a square. The first one begins where the square does, which a
+        // place off the surface may come before.
+        let begins_later = |rect: FaceRect| {
+            let square = rect.square();
+            (0..2).any(|k| rect.low[k] > square.low[k] && at[k] < rect.low[k])
         };
-        // The last strip of the square is not yet the one before the place.
-        let square = self.patches[index].rect.square_order();
-        while place(index).min_element() < 0.0
-            && index > 0
-            && self.patches[index - 1].rect.square_order() == square
-        {
+        while begins_later(self.patches[index].rect) {
             index -= 1;
         }
-        (index, place(index))
+        let FaceRect { low, size, .. } = self.patches[index].rect;
+        (index, (at - DVec2::from_array(low)) / DVec2::from_array(size))
     }
 
     /// The point at (u, v).

@@ -1,4 +1,4 @@
-//! Squares of faces, cut repeatedly until a Bézier patch is the surface or near it.
+//! Rectangles of faces, cut repeatedly until a Bézier patch is the surface or near it.
 
 use glam::DVec3;
 
@@ -53,7 +53,6 @@ impl Cut {
 }
 
 /// The rectangles of all faces: each root covers a face, each other is a part of its parent.
-///
 #[derive(Clone, Debug)]
 pub(super) struct Tree {
     degree: usize,

@@ -115,6 +115,21 @@ fn surfaces_are_their_charts() {
                 }
             }
         }
+        // Places a little off the surface belong to the patch beside them.
+        let (last, tiny) = ((units - 1) as f64, 1e-17);
+        for k in 0..64 {
+            let at = f64::from(k) / 64.0 + 0.003;
+            for (on, off) in [([at, 0.0], [at, -tiny]), ([0.0, at], [-tiny, at])] {
+                let [on, off] = [on, off].map(DVec2::from_array);
+                let [a, b] = [on, off].map(|uv| plain.derivatives(uv));
+                let near = a.point.distance(b.point) + a.du.distance(b.du) + a.dv.distance(b.dv);
+                assert!(near < 1e-12, "{name} {off}: {near:e}");
+                let beyond = DVec2::new(last + 1.0 + tiny, at);
+                let ends = [DVec2::new((last + 1.0).next_down(), at), beyond];
+                let [a, b] = ends.map(|uv| plain.point_at(uv));
+                assert!(a.distance(b) < 1e-12, "{name} {beyond}");
+            }
+        }
         // Reversal exchanges u and v within each unit square.
         let turned = plain.reversed();
         assert_eq!(turned.reversed(), plain);
