@@ -101,8 +101,8 @@
 //!   as a rule within 0.85 of `C ε M`), and the hit is marked
 //!   [`BORDER`](intersect::HitFlags::BORDER).
 //! - The kept part of a trimmed surface is closed, too: a root that may lie on a trim edge, as
-//!   far as rounding can tell, is a hit, marked [`TRIM_EDGE`](intersect::HitFlags::TRIM_EDGE). Sides
-//!   of loops along the border of a surface are borders.
+//!   far as rounding can tell, is a hit, marked [`TRIM_EDGE`](intersect::HitFlags::TRIM_EDGE).
+//!   Sides of loops along the border of a surface are borders.
 //! - Answers depend only on the ray and the surfaces, except for the last digits, which the
 //!   [kernel](intersect::Kernel) and the [way of asking](intersect::Coherence) may change. Pictures
 //!   depend only on the scene and its settings: not on threads, tiles or crops.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::coherence::leaf_width;
 use super::tree::nodes::Tree;
 use super::tree::regions::tree_over;
-use super::wide::BLUR;
+use super::wide::{BLUR, BvhView};
 use super::{Kernel, Tracer};
 use crate::geometry::Charts;
 use crate::math::{Aabb, rounding};
@@ -154,6 +154,12 @@ impl SurfaceBvh {
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let bounds = self.set.bounds();
         (!bounds.is_empty()).then_some((bounds.min, bounds.max))
+    }
+
+    /// What the fast kernels search.
+    pub(super) fn view(&self) -> BvhView<'_> {
+        let Self { tree, leaves, weights, set, reach_of_f32, .. } = self;
+        BvhView { tree, leaves, weights, set, reach_of_f32: *reach_of_f32 }
     }
 }
 

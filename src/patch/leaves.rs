@@ -33,9 +33,9 @@ const SCENE_BYTES: usize = 5 << 20;
 /// and takes 1.4 to 2.2 times the memory.
 const WORTHWHILE_IN_SCENE: f64 = 1.0 / 24.0;
 
-/// However many leaves a scene has, it may have this part of them in addition, where halving is worth
-/// half of [`WORTHWHILE_IN_SCENE`]: what fills the picture may be a few large pieces among thousands
-/// of small ones.
+/// However many leaves a scene has, it may have this part of them in addition, where halving is
+/// worth half of [`WORTHWHILE_IN_SCENE`]: what fills the picture may be a few large pieces among
+/// thousands of small ones.
 const MORE: usize = 8;
 
 /// The memory of a leaf without its weight, including its share of the tree: its box in a block

@@ -1,7 +1,7 @@
 //! Quads beside a semi-sharp crease that goes straight on: a few bicubic patches, exactly.
 //!
-//! Let creases of finite sharpness run along one axis of a quad only, each as sharp before and after
-//! the quad as beside it, and let the quad be regular otherwise. Then the rules of refinement
+//! Let creases of finite sharpness run along one axis of a quad only, each as sharp before and
+//! after the quad as beside it, and let the quad be regular otherwise. Then the rules of refinement
 //! (DeRose, Kass & Truong 1998) are products of a rule along the creases, that of uniform cubic
 //! splines, and one across them: whatever refinement makes of the quad, along the creases it is one
 //! spline. So the quad need only be halved across them, once for each step for which they are
@@ -23,8 +23,8 @@ pub(super) struct CreasedQuad {
     /// between the second and the third row, and so along the rows. What an infinitely sharp edge
     /// would hide is mirrored there, so that the spline ends at the edge.
     rows: [[DVec3; 4]; 4],
-    /// The sharpness of the second and the third row; 0 if it is infinite, since the mirrored points
-    /// keep that row where it is.
+    /// The sharpness of the second and the third row; 0 if it is infinite, since the mirrored
+    /// points keep that row where it is.
     sharpness: [f64; 2],
 }
 
@@ -148,8 +148,8 @@ impl Around {
     /// `None` unless the vertex is regular: four quads, or two or one at the border, and each edge
     /// as sharp as the one that continues it.
     ///
-    /// So the rules of refinement are products there. A vertex with its own sharpness stays where it
-    /// is, as if edges crossed there that always stay sharp.
+    /// So the rules of refinement are products there. A vertex with its own sharpness stays where
+    /// it is, as if edges crossed there that always stay sharp.
     fn of(mesh: &Mesh, corner: u32) -> Option<Self> {
         let topology = &mesh.topology;
         let vertex = topology.vertex(corner);

@@ -65,9 +65,9 @@ impl Cage {
     /// It bounds the distance at the same (u, v), which near extraordinary vertices is mostly along
     /// the surface. Measured: there, patches of this tolerance are less than 1e-12 of the side off
     /// the surface, patches of ten times this tolerance about 1e-7. The tolerance is needed where
-    /// semi-sharp creases meet, turn or end: there a crease of sharpness 6 is rounded over a 64th of a
-    /// face, in as many patches as that takes; at 1e-3 it would take half as many and be 2e-4 of the
-    /// side off.
+    /// semi-sharp creases meet, turn or end: there a crease of sharpness 6 is rounded over a 64th
+    /// of a face, in as many patches as that takes; at 1e-3 it would take half as many and be 2e-4
+    /// of the side off.
     pub fn default_tolerance(&self) -> f64 {
         let size = self.largest_side();
         // A cage very far from the origin, or one without extent, cannot have that tolerance.

@@ -271,18 +271,14 @@ pub(super) fn within(
     Err(LimitError::TooDeep { tolerance, levels: MAX_LEVELS })
 }
 
-/// The control points of a part of a patch with n × n points, the upper, the lower half or the whole
-/// in u and in v: de Casteljau at the middle.
+/// The control points of a part of a patch with n × n points, the upper, the lower half or the
+/// whole in u and in v: de Casteljau at the middle.
 fn part(net: &Net, n: usize, halves: [Option<bool>; 2]) -> Net {
     let mut result = *net;
-    for line in 0..n {
-        if let Some(upper) = halves[0] {
-            halve(&mut result, n, (line, n), upper);
-        }
-    }
-    for line in 0..n {
-        if let Some(upper) = halves[1] {
-            halve(&mut result, n, (line * n, 1), upper);
+    for (half, [next, stride]) in halves.into_iter().zip([[1, n], [n, 1]]) {
+        let Some(upper) = half else { continue };
+        for line in 0..n {
+            halve(&mut result, n, (line * next, stride), upper);
         }
     }
     result

@@ -2,9 +2,9 @@
 
 use glam::{DVec2, Vec3Swizzles};
 
-use super::UvBox;
 use super::curve::euclidean;
 use super::trim_loop::LoopPiece;
+use super::{JOINT_TOLERANCE, UvBox};
 use crate::math::bernstein::restrict;
 
 /// Two pieces meet at a joint if this is no farther from the gap than so many times its width; then
@@ -37,9 +37,9 @@ pub(super) struct Gauge {
 
 impl Gauge {
     /// For loops of this extent.
-    pub(super) fn new(bounds: UvBox, joint_tolerance: f64) -> Self {
+    pub(super) fn new(bounds: UvBox) -> Self {
         let rounding = 16.0 * f64::EPSILON * bounds.magnitude();
-        let tolerance = joint_tolerance * bounds.size() + rounding;
+        let tolerance = JOINT_TOLERANCE * bounds.size() + rounding;
         let size = bounds.size();
         let size = DVec2::select(size.cmpgt(DVec2::ZERO), size, DVec2::splat(size.max_element()));
         Self { size, tolerance, rounding }

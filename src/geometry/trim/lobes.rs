@@ -13,9 +13,8 @@ use super::segment::Segment;
 /// no more than this and back over itself.
 ///
 /// In CAD files, two curves that are tangent where they join may cross again beside the joint,
-/// because each is fitted by itself: at 10⁻⁶ to 10⁻⁴ of the extent in the files that were seen,
-/// where the curves are 10⁻¹⁴ to 10⁻⁷ apart between joint and crossing. The lobe counts by the
-/// even–odd rule like all else. For a loop drawn a thousand pixels wide, it covers a hundredth of a
+/// because each is fitted by itself: at up to 10⁻⁵ of the extent in the files that were seen. The
+/// lobe counts by the even–odd rule like all else. For a loop drawn a thousand pixels wide, it covers a hundredth of a
 /// pixel.
 pub const LOBE_TOLERANCE: f64 = 1e-4;
 

@@ -103,7 +103,7 @@ impl TrimLoop {
         }
 
         // Close the gaps, or report one that is too wide.
-        let gauge = Gauge::new(bounds, JOINT_TOLERANCE);
+        let gauge = Gauge::new(bounds);
         let (mut widest_gap, mut ways) = (0.0f64, Vec::new());
         for this in 0..pieces.len() {
             let next = (this + 1) % pieces.len();
@@ -203,7 +203,7 @@ impl TrimLoop {
                 piece.ends.iter_mut().for_each(|end| end[axis] = seam);
             }
         }
-        joints::close(&mut straight.pieces, &Gauge::new(bounds, JOINT_TOLERANCE));
+        joints::close(&mut straight.pieces, &Gauge::new(bounds));
         straight
     }
 
@@ -224,7 +224,7 @@ impl TrimLoop {
     pub(super) fn check_dangling(&self, domain: &TrimDomain) -> Result<(), TrimLoopError> {
         // u and v are unrelated: narrowness in one of them is relative to the loop's extent in that
         // one.
-        let Gauge { size, tolerance, .. } = Gauge::new(self.bounds(), JOINT_TOLERANCE);
+        let Gauge { size, tolerance, .. } = Gauge::new(self.bounds());
         let in_space = |c: &DVec3| DVec4::new(c.x / size.x, c.y / size.y, 0.0, c.z);
         let pieces = self.pieces.iter().map(|piece| piece.control.iter().map(in_space).collect());
         let course = Course::closed(pieces);

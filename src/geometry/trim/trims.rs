@@ -86,11 +86,11 @@ pub enum Coverage {
 /// numbers just above 1.
 ///
 /// # What a tracer does with it
-/// At build, each leaf's rectangle is classified once: leaves outside are dropped, leaves inside, or
-/// cut along the domain's border only, forget the trims, mixed leaves are marked as mixed. A hit on a mixed leaf is dropped if it is
-/// [`Side::Outside`] and reported otherwise, edges included: the kept part is closed, as a surface
-/// is at its border. A hit is flagged as being at a trim edge if it is an [`Side::Edge`]
-/// [within](Trims::contains_within) the error bound of its point in space.
+/// At build, each leaf's rectangle is classified once: leaves outside are dropped, leaves inside,
+/// or cut along the domain's border only, forget the trims, mixed leaves are marked as mixed. A hit
+/// on a mixed leaf is dropped if it is [`Side::Outside`] and reported otherwise, edges included: the
+/// kept part is closed, as a surface is at its border. A hit is flagged as being at a trim edge if
+/// it is an [`Side::Edge`] [within](Trims::contains_within) the error bound of its point in space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trims {
     domain: TrimDomain,

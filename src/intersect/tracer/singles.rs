@@ -9,16 +9,9 @@ use crate::intersect::crossings::borders::{at_border, error_bound};
 use crate::intersect::scalar::leaf_search;
 use crate::intersect::scalar::meeting::{CertainHit, Meeting, Question};
 use crate::intersect::wide::{BvhView, SingleHit, SingleRay, Wanted, trace_single};
-use crate::intersect::{Answer, Hit, HitFlags, Occlusion, Query, Root, Shot, SurfaceBvh, Tracer};
+use crate::intersect::{Answer, Hit, HitFlags, Occlusion, Query, Root, Shot, Tracer};
 use crate::math::{Ray, RayFrame};
 use crate::patch::{Jet, Leaf, OrientedBox, Passage, Piece};
-
-impl SurfaceBvh {
-    pub(in crate::intersect) fn view(&self) -> BvhView<'_> {
-        let Self { tree, leaves, weights, set, reach_of_f32, .. } = self;
-        BvhView { tree, leaves, weights, set, reach_of_f32: *reach_of_f32 }
-    }
-}
 
 impl Tracer<'_> {
     /// The first hit of one ray.

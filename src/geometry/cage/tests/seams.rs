@@ -116,18 +116,17 @@ fn surfaces_are_their_charts() {
             }
         }
         // Places a little off the surface belong to the patch beside them.
-        let (last, tiny) = ((units - 1) as f64, 1e-17);
         for k in 0..64 {
-            let at = f64::from(k) / 64.0 + 0.003;
-            for (on, off) in [([at, 0.0], [at, -tiny]), ([0.0, at], [-tiny, at])] {
-                let [on, off] = [on, off].map(DVec2::from_array);
-                let [a, b] = [on, off].map(|uv| plain.derivatives(uv));
-                let near = a.point.distance(b.point) + a.du.distance(b.du) + a.dv.distance(b.dv);
-                assert!(near < 1e-12, "{name} {off}: {near:e}");
-                let beyond = DVec2::new(last + 1.0 + tiny, at);
-                let ends = [DVec2::new((last + 1.0).next_down(), at), beyond];
-                let [a, b] = ends.map(|uv| plain.point_at(uv));
-                assert!(a.distance(b) < 1e-12, "{name} {beyond}");
+            let (at, off, end) = (f64::from(k) / 64.0 + 0.003, -1e-17, units as f64);
+            for [on, beside] in [
+                [[at, 0.0], [at, off]],
+                [[0.0, at], [off, at]],
+                [[end.next_down(), at], [end, at]],
+                [[at, 1.0], [at, 1.0_f64.next_up()]],
+            ] {
+                let [a, b] = [on, beside].map(|uv| plain.derivatives(DVec2::from_array(uv)));
+                assert!(a.point.distance(b.point) < 1e-13, "{name} {beside:?}");
+                assert!(a.du.distance(b.du).max(a.dv.distance(b.dv)) < 1e-9, "{name} {beside:?}");
             }
         }
         // Reversal exchanges u and v within each unit square.

@@ -45,8 +45,8 @@ pub(super) enum Outcome {
     Hit,
     /// A root that the scalar search must judge.
     Undecided,
-    /// A root on the piece that is only too near an end of the ray or its start: if trims cut it off,
-    /// the leaf is missed, else the scalar search must judge it.
+    /// A root on the piece that is only too near an end of the ray or its start: if trims cut it
+    /// off, the leaf is missed, else the scalar search must judge it.
     AtEnd,
     /// Newton's iteration does not converge.
     NotFound,
