@@ -12,7 +12,9 @@ use super::wide::{BLUR, BvhView};
 use super::{Kernel, Tracer};
 use crate::geometry::Charts;
 use crate::math::{Aabb, rounding};
-use crate::patch::{BuildError, Leaf, OrientedBox, PADDING, PatchSet, ScaledFrame, WeightFit};
+use crate::patch::{
+    BuildError, Leaf, OrientedBox, PADDING, PatchSet, ScaledFrame, TrimWindows, WeightFit,
+};
 
 /// Surfaces split into Bézier pieces and leaves, bounded in a hierarchy.
 #[derive(Clone)]
@@ -22,6 +24,7 @@ pub struct SurfaceBvh {
     pub(super) leaves: Vec<Leaf>,
     /// In the same order, if some leaves are approximated by quotients; else empty.
     pub(super) weights: Vec<WeightFit>,
+    pub(super) windows: TrimWindows,
     pub(super) tree: Tree,
     /// See [`leaf_width`].
     pub(super) leaf_width: f64,
@@ -73,10 +76,11 @@ impl SurfaceBvh {
             (leaves, boxes) = made.map(|(leaf, _, oriented)| (leaf, oriented)).unzip();
         }
         tree.fill(&leaves, &boxes);
+        let windows = TrimWindows::new(&leaves, set.pieces());
         let (leaf_width, reach_of_f32) = (leaf_width(&leaves), reach.of_tree(&tree));
         // Twice the error bound of a point: the second time for rounding of distances up to there.
         let surroundings = set.bounds().grown(2.0 * reach.factor * reach_of_f32);
-        Ok(Self { set, leaves, weights, tree, leaf_width, reach_of_f32, surroundings })
+        Ok(Self { set, leaves, weights, windows, tree, leaf_width, reach_of_f32, surroundings })
     }
 
     /// Returns a tracer for this thread, with the default kernel.
@@ -143,7 +147,7 @@ impl SurfaceBvh {
     /// The memory held, in bytes.
     pub fn bytes(&self) -> usize {
         let leaves = size_of_val(&self.leaves[..]) + size_of_val(&self.weights[..]);
-        self.set.bytes() + leaves + self.tree.bytes()
+        self.set.bytes() + leaves + self.windows.bytes() + self.tree.bytes()
     }
 
     /// The smallest and largest coordinates of a box that holds all surfaces, except for rounding;
@@ -158,8 +162,8 @@ impl SurfaceBvh {
 
     /// What the fast kernels search.
     pub(super) fn view(&self) -> BvhView<'_> {
-        let Self { tree, leaves, weights, set, reach_of_f32, .. } = self;
-        BvhView { tree, leaves, weights, set, reach_of_f32: *reach_of_f32 }
+        let Self { tree, leaves, weights, windows, set, reach_of_f32, .. } = self;
+        BvhView { tree, leaves, weights, windows, set, reach_of_f32: *reach_of_f32 }
     }
 }
 

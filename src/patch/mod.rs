@@ -43,6 +43,7 @@ mod tangents;
 mod tensor;
 mod tiles;
 mod tips;
+mod trim_windows;
 
 use glam::DVec4;
 use smallvec::SmallVec;
@@ -81,3 +82,4 @@ pub use set::{BuildError, PatchSet};
 pub use tensor::{Jet, TensorPatch};
 pub(crate) use tiles::GroupedParts;
 pub(crate) use tiles::MOST_TOGETHER;
+pub(crate) use trim_windows::TrimWindows;

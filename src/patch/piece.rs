@@ -8,7 +8,7 @@ use super::chart_net::ChartNet;
 use super::pole_normal::normal_by_pole;
 use super::tensor::euclidean;
 use super::{CollapsedSide, Jet, TensorPatch};
-use crate::geometry::trim::{Side, Trims, UvBox};
+use crate::geometry::trim::{Side, Trims, UvBox, WindowCurve};
 use crate::geometry::{ChartMap, SurfaceDerivatives};
 use crate::math::bits::has;
 
@@ -113,6 +113,24 @@ impl Piece {
         // NaN means unknown.
         let reach = DVec2::select(reach.cmpge(DVec2::ZERO), reach, DVec2::INFINITY);
         trims.contains_within(self.chart_uv(st), reach)
+    }
+
+    /// What the trims look like within a rectangle, in box coordinates: see [`Trims::window`].
+    pub(super) fn trim_window(&self, rect: [[f64; 2]; 2]) -> Vec<WindowCurve> {
+        let Some(trims) = self.trims() else { return Vec::new() };
+        let [min, max] = [0, 1].map(|k| self.chart_uv(DVec2::new(rect[0][k], rect[1][k])));
+        trims.window(&UvBox { min, max }, self.uv_rounding())
+    }
+
+    /// A rectangle within a part of the unit square that holds everything that the trims keep of it;
+    /// `None` if they keep nothing.
+    pub(super) fn kept_part(&self, rect: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
+        let kept = self.trims()?.kept_within(&self.uv_box(rect))?;
+        let domain = self.domain();
+        Some([0, 1].map(|k| {
+            let [from, to] = domain[k];
+            [kept.min[k], kept.max[k]].map(|at| (at - from) / (to - from))
+        }))
     }
 
     /// The box of the chart's parameters over a part of the unit square, grown by their rounding

@@ -1,43 +1,93 @@
-//! Rectangles made by halving the unit square.
+//! Rectangles made by halving the unit square, and by cutting off what trims remove.
 
-/// A rectangle made from the unit square by halving it some number of times in each direction.
+/// A rectangle whose ends are multiples of powers of one half, made from the unit square.
 ///
-/// A range is numbered as in a heap: the unit range is 1, the halves of range `k` are `2k` and
-/// `2k + 1`. So range `k` has been halved `⌊log₂ k⌋` times, and its ends are exact in f32.
+/// A range from `k / 2ʰ` to `(k + n) / 2ʰ`, with `n` from 1 to 16, is stored as `2ʰ + k`, as in a
+/// heap, and, in the four lowest bits, `n − 1`. Its ends are exact in f32.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct DyadicRect([u32; 2]);
 
+/// The largest `h` that can be stored.
+const MOST_BITS: u32 = 27;
+
+/// The largest `n`.
+const MOST_STEPS: u32 = 16;
+
 impl DyadicRect {
     /// The unit square.
-    pub(super) const UNIT: Self = Self([1; 2]);
+    pub(super) const UNIT: Self = Self([MOST_STEPS; 2]);
 
-    /// How often the square was halved in a direction.
+    /// How often the square would have to be halved in a direction to be no longer there.
     pub(super) fn halvings(self, direction: usize) -> u32 {
-        self.0[direction].ilog2()
+        let Steps { bits, count, .. } = Steps::of(self.0[direction]);
+        bits - count.ilog2()
     }
 
     /// The lower or upper half.
     pub(super) fn half(mut self, direction: usize, side: u32) -> Self {
-        self.0[direction] = 2 * self.0[direction] + side;
+        let mut steps = Steps::of(self.0[direction]);
+        if steps.count.is_multiple_of(2) {
+            steps.count /= 2;
+        } else {
+            steps.bits += 1;
+            steps.first *= 2;
+        }
+        steps.first += side * steps.count;
+        self.0[direction] = steps.number();
+        self
+    }
+
+    /// The smallest rectangle that can be stored and holds a part of this one.
+    pub(super) fn cut_down_to(mut self, part: [[f64; 2]; 2]) -> Self {
+        for (number, [from, to]) in self.0.iter_mut().zip(part) {
+            let steps = Steps::of(*number);
+            let end = steps.first + steps.count;
+            for bits in steps.bits..=MOST_BITS {
+                let more = bits - steps.bits;
+                let scale = f64::from(1 << bits);
+                let low = ((from * scale).floor() as u32).max(steps.first << more);
+                let high = ((to * scale).ceil() as u32).min(end << more);
+                if high <= low || high - low > MOST_STEPS {
+                    break;
+                }
+                *number = Steps { bits, first: low, count: high - low }.number();
+            }
+        }
         self
     }
 
     /// The ends of the range in `s`, then in `t`.
     #[inline]
     pub(crate) fn ranges(self) -> [[f64; 2]; 2] {
-        let Self([s, t]) = self;
-        [range(s), range(t)]
+        self.0.map(|number| Steps::of(number).range())
     }
 }
 
-/// The ends of the range with that number.
-#[inline(always)]
-fn range(number: u32) -> [f64; 2] {
-    let halvings = number.ilog2();
-    // 2⁻ʰ, by its exponent.
-    let side = f64::from_bits(u64::from(1023 - halvings) << 52);
-    let from = f64::from(number - (1 << halvings)) * side;
-    [from, from + side]
+/// A range of `count` steps of `1 / 2ᵇ`, where `b` is `bits`, after the `first` such steps.
+struct Steps {
+    bits: u32,
+    first: u32,
+    count: u32,
+}
+
+impl Steps {
+    #[inline(always)]
+    fn of(number: u32) -> Self {
+        let (place, count) = (number / MOST_STEPS, number % MOST_STEPS + 1);
+        let bits = place.ilog2();
+        Self { bits, first: place - (1 << bits), count }
+    }
+
+    fn number(&self) -> u32 {
+        ((1 << self.bits) + self.first) * MOST_STEPS + self.count - 1
+    }
+
+    #[inline(always)]
+    fn range(&self) -> [f64; 2] {
+        // 2⁻ᵇ, by its exponent.
+        let step = f64::from_bits(u64::from(1023 - self.bits) << 52);
+        [f64::from(self.first) * step, f64::from(self.first + self.count) * step]
+    }
 }
 
 impl PartialOrd for DyadicRect {
@@ -71,5 +121,24 @@ mod tests {
         );
         let fine = (0..16).fold(DyadicRect::UNIT, |rect, _| rect.half(1, 1));
         assert_eq!(fine.ranges()[1], [1.0 - 2f64.powi(-16), 1.0]);
+    }
+
+    #[test]
+    fn what_is_cut_down_holds_the_part_closely() {
+        let cell = DyadicRect::UNIT.half(0, 1).half(1, 0).half(1, 1);
+        for (k, [from, to]) in
+            [[0.51, 0.53], [0.5, 1.0], [0.7, 0.7 + 1e-6], [0.6, 0.99]].into_iter().enumerate()
+        {
+            let cut = cell.cut_down_to([[from, to], [0.25, 0.5]]);
+            let [[low, high], t] = cut.ranges();
+            assert_eq!(t, [0.25, 0.5], "{k}");
+            assert!(0.5 <= low && low <= from && to <= high && high <= 1.0, "{k}: {low} {high}");
+            assert!(high - low <= 1.25 * (to - from) + 2f64.powi(-26), "{k}: {low} {high}");
+            let [lower, upper] = [0, 1].map(|side| cut.half(0, side).ranges()[0]);
+            assert_eq!([lower, upper], [[low, lower[1]], [lower[1], high]], "{k}");
+            assert_eq!(lower[1] - low, high - lower[1], "{k}");
+            assert_eq!(cut.half(0, 0).halvings(0), cut.halvings(0) + 1, "{k}");
+        }
+        assert_eq!(cell.cut_down_to([[0.5, 1.0], [0.25, 0.5]]).ranges(), cell.ranges());
     }
 }

@@ -49,6 +49,7 @@ mod tree;
 mod trim_loop;
 mod trims;
 mod uv_box;
+mod window;
 
 pub use curve::{MAX_TRIM_POINTS, TrimCurve};
 pub use domain::TrimDomain;
@@ -58,6 +59,7 @@ pub(in crate::geometry) use stretches::EdgePiece;
 pub use trim_loop::{JOINT_TOLERANCE, SEAM_TOLERANCE, TrimLoop};
 pub use trims::{Coverage, Kept, MAX_TRIM_SEGMENTS, Side, Trims};
 pub use uv_box::UvBox;
+pub(crate) use window::{WINDOW_REACH, WINDOW_SPARE, WindowCurve, is_kept};
 
 #[cfg(test)]
 mod error_tests;

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
 use super::UvBox;
-use crate::math::bernstein::binomial;
+use crate::math::bernstein::{self, binomial};
 use crate::math::rounding::UNIT_ROUNDOFF;
 
 /// The most steps of the search in [`Segment::passing`]. Four steps halve the remaining stretch, so
@@ -14,6 +14,9 @@ const MOST_STEPS: usize = 256;
 /// A quarter circle makes four flat segments; finer ones would cost more in the hierarchy than they
 /// save.
 const FLAT: f64 = 0.125;
+
+/// How near to the sides of a rectangle a stretch within it ends, as a fraction of its size.
+const NEAR_SIDE: f64 = 1.0 / 4096.0;
 
 /// Error bound of the curve as searched against the curve as written, relative to the largest
 /// parameter of its Bézier piece: `16 (p + 1) u` for degree `p`.
@@ -256,6 +259,70 @@ impl Segment {
                 high = middle;
             }
         }
+    }
+
+    /// From and to in the parameter, in `[0, 1]`, where it runs through a rectangle, or a little
+    /// farther to both sides; `None` where it does not enter.
+    pub(super) fn stretch_within(&self, rect: &UvBox) -> Option<[f64; 2]> {
+        let [from, to] = self.ends;
+        let mut range = [0.0f64, 1.0f64];
+        for axis in 0..2 {
+            let [low, high] = [rect.min[axis], rect.max[axis]];
+            let rises = from[axis] <= to[axis];
+            let [enters, leaves] = if rises { [low, high] } else { [high, low] };
+            let is_before = |at: f64, side: f64| if rises { at < side } else { at > side };
+            if is_before(to[axis], enters) || is_before(leaves, from[axis]) {
+                return None;
+            }
+            let near = (high - low) * NEAR_SIDE;
+            if is_before(from[axis], enters) {
+                range[0] = range[0].max(self.short_of(axis, enters, near, [0.0, 1.0]));
+            }
+            if is_before(leaves, to[axis]) {
+                range[1] = range[1].min(self.short_of(axis, leaves, near, [1.0, 0.0]));
+            }
+        }
+        (range[0] < range[1]).then_some(range)
+    }
+
+    /// A parameter at which a coordinate is short of `value`, seen from the first of two parameters
+    /// between which it reaches it, by no more than `near` if floating-point numbers allow.
+    ///
+    /// Found by false position, with a bisection every third step.
+    fn short_of(&self, axis: usize, value: f64, near: f64, [start, end]: [f64; 2]) -> f64 {
+        let off = |t: f64| self.at(t)[axis] - value;
+        let sign = off(start).signum();
+        // Positive until the value is reached; aims at the middle of what is near.
+        let short = |t: f64| sign * off(t);
+        let (mut before, mut beyond) = ((start, short(start)), (end, short(end)));
+        for step in 1..=MOST_STEPS {
+            if before.1 <= near {
+                break;
+            }
+            let part = (before.1 - 0.5 * near) / (before.1 - beyond.1);
+            let part = if step % 3 == 0 { 0.5 } else { part };
+            let t = before.0 + part * (beyond.0 - before.0);
+            if t == before.0 || t == beyond.0 {
+                break;
+            }
+            match short(t) {
+                still if still > 0.0 => before = (t, still),
+                no_more => beyond = (t, no_more),
+            }
+        }
+        before.0
+    }
+
+    /// The control points of a stretch of it, which begins and ends at [`Self::at`].
+    pub(super) fn control_points(&self, [from, to]: [f64; 2]) -> impl Iterator<Item = DVec2> {
+        let mut control = self.homogeneous();
+        bernstein::restrict(&mut control, from, to);
+        let last = control.len() - 1;
+        control.into_iter().enumerate().map(move |(k, c)| match k {
+            0 => self.at(from),
+            _ if k == last => self.at(to),
+            _ => c.xy() / c.z,
+        })
     }
 
     /// The direction of the tangent at `t`: that between the last two points of de Casteljau's

@@ -27,7 +27,7 @@ impl Random {
 }
 
 /// A domain that holds everything the tests cut.
-fn wide() -> TrimDomain {
+pub(super) fn wide() -> TrimDomain {
     TrimDomain::new([-1e12, 1e12], [-1e12, 1e12]).unwrap()
 }
 
@@ -131,7 +131,7 @@ fn all_circles_of_the_source_note_cut_the_same() {
 }
 
 /// A letter B on a grid: outline, two counters, and an island in the upper one.
-fn letter() -> Vec<TrimLoop> {
+pub(super) fn letter() -> Vec<TrimLoop> {
     vec![
         polygon(&[
             (0., 0.),
@@ -261,7 +261,7 @@ fn star_polygons_wind_as_their_angles_say() {
 }
 
 /// A closed, clamped spline around the origin: a circle of `count` control points at random radii.
-fn smooth(random: &mut Random, degree: usize, count: usize) -> NurbsCurve {
+pub(super) fn smooth(random: &mut Random, degree: usize, count: usize) -> NurbsCurve {
     let mut points: Vec<DVec3> = (0..count)
         .map(|k| {
             let turn = DVec2::from_angle(TAU * k as f64 / count as f64);
@@ -436,6 +436,40 @@ fn rectangles_are_classified_without_error() {
         counts[coverage as usize] += 1;
     }
     assert!(counts.iter().all(|count| *count > 300), "{counts:?}");
+}
+
+#[test]
+fn what_is_kept_of_a_rectangle_is_within_a_close_one() {
+    let mut random = Random::new(16);
+    for degree in [1, 2, 3, 5] {
+        let curve = smooth(&mut random, degree, 9 + degree);
+        let cut = trims(&[TrimLoop::new(&[TrimCurve::nurbs(&curve).unwrap()]).unwrap()]);
+        let (mut nothing, mut smaller) = (0, 0);
+        for _ in 0..1000 {
+            let center = random.in_box(UvBox::new([-1.6, 1.6], [-1.6, 1.6]));
+            let size = 0.5 * DVec2::new(random.next().powi(3), random.next().powi(3));
+            let rect = UvBox::about(center, size);
+            let kept = cut.kept_within(&rect);
+            let mut seen = UvBox::EMPTY;
+            let steps = 40;
+            for k in 0..=steps * steps {
+                let place = DVec2::new(f64::from(k % steps), f64::from(k / steps));
+                let point = (rect.min + rect.size() * place / f64::from(steps)).min(rect.max);
+                if cut.contains(point) != Side::Outside {
+                    assert!(kept.is_some_and(|kept| kept.holds(point)), "{point} of {rect:?}");
+                    seen = seen.union(UvBox { min: point, max: point });
+                }
+            }
+            nothing += u32::from(kept.is_none());
+            // Corners of the curve may reach between the points.
+            let spare = 4.0 * rect.size() / f64::from(steps);
+            if let Some(kept) = kept.filter(|kept| *kept != rect && seen != UvBox::EMPTY) {
+                let close = seen.grown(spare);
+                smaller += u32::from(close.holds(kept.min) && close.holds(kept.max));
+            }
+        }
+        assert!(nothing > 100 && smaller > 100, "{degree}: {nothing} {smaller}");
+    }
 }
 
 #[test]

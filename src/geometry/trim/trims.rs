@@ -221,6 +221,30 @@ impl Trims {
         }
     }
 
+    /// A rectangle that holds everything that is kept of another one, except for rounding; `None` if
+    /// nothing is.
+    ///
+    /// What is kept reaches farthest at a curve, or along a whole side, its corners included.
+    pub(crate) fn kept_within(&self, rect: &UvBox) -> Option<UvBox> {
+        let UvBox { min, max } = *rect;
+        let mut kept = UvBox::EMPTY;
+        self.tree.any(rect, |index| {
+            let segment = &self.segments[index];
+            let reach = segment.reach();
+            if let Some(ends) = segment.stretch_within(&rect.grown(reach)) {
+                kept = kept.union(UvBox::around(ends.map(|t| segment.at(t))).grown(reach));
+            }
+            kept.min.cmple(min).all() && kept.max.cmpge(max).all()
+        });
+        for corner in [min, max, DVec2::new(min.x, max.y), DVec2::new(max.x, min.y)] {
+            if !kept.holds(corner) && self.contains(corner) != Side::Outside {
+                kept = kept.union(UvBox { min: corner, max: corner });
+            }
+        }
+        let kept = UvBox { min: kept.min.max(min), max: kept.max.min(max) };
+        kept.min.cmple(kept.max).all().then_some(kept)
+    }
+
     /// Whether any trim curve passes through a rectangle.
     #[cfg(test)]
     pub(super) fn meets(&self, target: &UvBox) -> bool {

@@ -1,9 +1,8 @@
 //! Which of two hits counts.
 
 use super::single::ray::HitPlace;
-use super::trimmed::trim_side;
+use super::trimmed::is_kept;
 use super::view::BvhView;
-use crate::geometry::trim::Side;
 use crate::patch::Leaf;
 
 /// What is to be done with a hit.
@@ -26,10 +25,10 @@ pub(super) fn keep(found: &HitPlace, view: &BvhView<'_>, nearest: Option<&HitPla
     // A hit that lies beyond the nearest by more than twice its own error bound need not be judged.
     let beyond = |known: &HitPlace| found.z > known.z + 2.0 * found.z_error;
     if leaf.is_trimmed() && !nearest.is_some_and(beyond) {
-        match trim_side(view.piece_of(found.leaf), found.st, found.z_error) {
-            Side::Inside => {}
-            Side::Outside => return Kept::Not,
-            Side::Edge { .. } => return Kept::Undecided,
+        match is_kept(found, view) {
+            Some(true) => {}
+            Some(false) => return Kept::Not,
+            None => return Kept::Undecided,
         }
     }
     let nearer = nearest.is_none_or(|known| {
@@ -42,9 +41,7 @@ pub(super) fn keep(found: &HitPlace, view: &BvhView<'_>, nearest: Option<&HitPla
 /// Whether trims cut off a root for certain.
 #[inline(always)]
 pub(super) fn is_cut_off(found: &HitPlace, view: &BvhView<'_>) -> bool {
-    let leaf = &view.leaves[found.leaf as usize];
-    leaf.is_trimmed()
-        && trim_side(view.piece_of(found.leaf), found.st, found.z_error) == Side::Outside
+    view.leaves[found.leaf as usize].is_trimmed() && is_kept(found, view) == Some(false)
 }
 
 /// Whether a leaf comes before another one in the order of pieces and their parts.

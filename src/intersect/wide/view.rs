@@ -3,7 +3,7 @@
 use crate::intersect::tree::nodes::Tree;
 use crate::math::bits::set_bits;
 use crate::math::prefetch;
-use crate::patch::{Leaf, MOST_WEIGHT, PatchSet, Piece, TensorPatch, WeightFit};
+use crate::patch::{Leaf, MOST_WEIGHT, PatchSet, Piece, TensorPatch, TrimWindows, WeightFit};
 
 /// The parts of a [`SurfaceBvh`](crate::intersect::SurfaceBvh) that the fast kernels search.
 #[derive(Clone, Copy, Debug)]
@@ -12,6 +12,7 @@ pub(in crate::intersect) struct BvhView<'a> {
     pub(in crate::intersect) leaves: &'a [Leaf],
     /// One weight for each leaf, or none if no leaf is approximated by a quotient.
     pub(in crate::intersect) weights: &'a [WeightFit],
+    pub(in crate::intersect) windows: &'a TrimWindows,
     pub(in crate::intersect) set: &'a PatchSet,
     /// The largest coordinate an origin may have for the work in f32.
     pub(in crate::intersect) reach_of_f32: f64,

@@ -11,6 +11,7 @@ use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::nearest::comes_first;
 use crate::intersect::wide::search::newton::{Converged, Ends, Rays, Verdict, newton};
 use crate::intersect::wide::surface::jets::OneNet;
+use crate::intersect::wide::trimmed::{Places, kept_in_window};
 use crate::intersect::wide::vectors::{Lanes3, dot_d, load3d};
 use crate::intersect::wide::{PACKET, trimmed};
 use crate::math::bits::{has, set_bits};
@@ -73,7 +74,7 @@ pub(super) fn finish<S: Simd>(
         // one at the hit.
         root.inverse_det = f64x8::splat(simd, 1.0) / dot_d(root.cross, rays.axis(simd));
     }
-    let Converged { st: [root_s, root_t], z, speed, .. } = root;
+    let Converged { z, speed, .. } = root;
     let from_error = eight(simd, &packet.from_error, base);
     let ends = Ends {
         z: [eight(simd, &packet.z_min, base), eight(simd, &packet.z_max, base)],
@@ -88,10 +89,9 @@ pub(super) fn finish<S: Simd>(
         // Also asks about roots that cannot be told from the nearest hit: these may lie at an edge.
         let asked = acceptable & z.simd_le(best + near_end) | at_end;
         let reach = f64x8::splat(simd, trimmed::EDGE_REACH) * z_error * speed / size;
-        let Sides { inside, outside } = trim_sides(target, asked, (root_s, root_t), reach);
-        let [inside, outside] = [inside, outside].map(|bits| mask64x8::from_bitmask(simd, bits));
-        hit &= inside;
-        undecided = (undecided | asked & !inside) & !outside;
+        let [kept, decided] = kept_by_trims(simd, (target, closer), asked, &root.st, reach);
+        hit &= kept;
+        undecided = (undecided | asked & !decided) & !(decided & !kept);
     }
 
     let found = hit.any_true();
@@ -224,30 +224,31 @@ fn eight<S: Simd>(simd: S, lanes: &[f64; PACKET], base: usize) -> f64x8<S> {
     f64x8::from_slice(simd, &lanes[base..base + 8])
 }
 
-/// Lanes by their side of the trims; neither is set for those at an edge.
-#[derive(Clone, Copy, Default)]
-struct Sides {
-    inside: u64,
-    outside: u64,
-}
-
-/// The sides of the lanes that are asked for, for roots known to within `reach` in each parameter.
-#[inline(always)]
-fn trim_sides<S: Simd>(
-    target: &Target<'_>,
+/// Of the lanes that are asked for, those that the trims keep, and those that do not lie at an edge;
+/// for roots known to within `reach` in each parameter.
+#[simd]
+fn kept_by_trims<S: Simd>(
+    simd: S,
+    (target, closer): (&Target<'_>, &Closer),
     asked: mask64x8<S>,
-    (s, t): (f64x8<S>, f64x8<S>),
+    st: &[f64x8<S>; 2],
     reach: f64x8<S>,
-) -> Sides {
-    let mut sides = Sides::default();
-    for k in set_bits(asked.to_bitmask()) {
-        match target.piece.side(DVec2::new(s[k], t[k]), DVec2::splat(reach[k])) {
-            Side::Inside => sides.inside |= 1 << k,
-            Side::Outside => sides.outside |= 1 << k,
-            Side::Edge { .. } => {}
-        }
+) -> [mask64x8<S>; 2] {
+    let at = |k: usize| {
+        let (middle, per_half) = (closer.middle[k], closer.per_half[k]);
+        (st[k] - f64x8::splat(simd, middle)) * f64x8::splat(simd, per_half)
+    };
+    let reach_in_box = closer.per_half.map(|per_half| reach * f64x8::splat(simd, per_half));
+    let places = Places { at: [at(0), at(1)], reach: reach_in_box };
+    let [kept, decided] = kept_in_window(simd, target.view.windows.of(target.index), &places);
+    let [mut kept, mut decided] = [kept & decided & asked, decided & asked].map(|m| m.to_bitmask());
+    // The trims themselves tell where the window does not.
+    for k in set_bits(asked.to_bitmask() & !decided) {
+        let side = target.piece.side(DVec2::new(st[0][k], st[1][k]), DVec2::splat(reach[k]));
+        kept |= u64::from(side == Side::Inside) << k;
+        decided |= u64::from(matches!(side, Side::Inside | Side::Outside)) << k;
     }
-    sides
+    [kept, decided].map(|bits| mask64x8::from_bitmask(simd, bits))
 }
 
 /// Of hits at the same place, the one on the first piece counts, and there the one on its first

@@ -36,8 +36,8 @@ pub(super) struct Closer {
     pub(super) has_near_sides: bool,
     /// Half the sides of the leaf's rectangle, one over that, and its middle.
     half: [f64; 2],
-    per_half: [f64; 2],
-    middle: [f64; 2],
+    pub(super) per_half: [f64; 2],
+    pub(super) middle: [f64; 2],
     /// Error bound of a computed point, over the larger of two magnitudes: the patch's, and that of
     /// the ray's origin.
     pub(super) residual_factor: f64,
