@@ -1,6 +1,6 @@
 //! What is kept of a part of a piece, to search it.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::field::Net;
 use super::fit::{Approximation, Fit, NO_WEIGHT, WeightFit, second_derivatives};
@@ -124,7 +124,15 @@ impl Leaf {
         self.rect.ranges()
     }
 
-    /// The same, as a value by which the leaves of a piece can be ordered.
+    /// The box coordinates of a point of the unit square.
+    #[inline(always)]
+    pub(crate) fn box_coordinates(&self, st: DVec2) -> DVec2 {
+        let [s, t] = self.rect();
+        let place = |[from, to]: [f64; 2], at: f64| (2.0 * at - (from + to)) / (to - from);
+        DVec2::new(place(s, st.x), place(t, st.y))
+    }
+
+    /// The part of the unit square, as a value by which the leaves of a piece can be ordered.
     pub(crate) fn place(&self) -> DyadicRect {
         self.rect
     }

@@ -7,7 +7,8 @@
 //! such a patch with its place: which surface, which rectangle of its knot domain, which sides are
 //! borders, and which are collapsed to a point.
 //!
-//! A piece is halved until it is flat, which gives parts (`part`). The parts of neighbouring pieces
+//! A piece is halved until it is flat, which gives parts (`part`); where trims cut something off,
+//! parts are cut down to what is kept, and `trim_windows` say what hits are compared with. The parts of neighbouring pieces
 //! of dense surfaces are kept together (`tiles`), so that blocks of the tree are full. A [`Leaf`]
 //! is what is kept of a part to search it: an approximation (`fit`) and a certificate, which is the
 //! proof, made once, that every ray steep enough to the leaf's mean normal meets it at most once.

@@ -1,4 +1,4 @@
-//! Pieces halved until they are flat enough to search.
+//! Pieces halved until they are flat enough to search, without what trims cut off.
 
 use glam::{DVec3, DVec4};
 
@@ -9,7 +9,7 @@ use crate::geometry::trim::{Coverage, Trims};
 use crate::math::{Aabb, bernstein};
 
 /// A trim curve within the domain that stays this near to the border of a part, as a fraction of
-/// its sides, is not worth halving for: the parts on that side would all be as mixed as before.
+/// its sides, is not worth halving for: all parts on that side would be mixed, and hardly less of them kept.
 const RIM: f64 = 1.0 / 16.0;
 
 /// Leaves flatter than this gain little. Flat leaves need fewer Newton steps, fit their boxes
@@ -31,6 +31,9 @@ const _: () = assert!(AT_TRIMS[5] > FLATTEST, "the last is worth something");
 
 /// A part is cut down to what trims keep of it if no more than this of it is left.
 const WORTH_CUTTING_DOWN: f64 = 0.875;
+
+/// What is left reaches farther beyond what is kept than this many times the error bound of points.
+const LEAST_MARGIN: f64 = 1e4;
 
 /// A part of a piece that is flat enough to become a leaf.
 #[derive(Clone, Copy, Debug)]
@@ -142,14 +145,24 @@ impl PartNet {
     }
 
     /// The part without what trims cut off along its sides, if that is worthwhile.
+    ///
+    /// What is left reaches as far beyond what is kept as roots may stray, which is also far more
+    /// than rounding: a side that is too short for that is left as it is. So is one that runs along
+    /// a point, where its parameter may be anything.
     fn cut_down(&self, piece: &Piece) -> Option<Self> {
         let kept = piece.kept_part(self.on_piece(WIDENING))?;
-        let [old, mut ranges] = [self.rect.ranges(), kept];
-        for k in 0..2 {
+        let old = self.rect.ranges();
+        let chords = piece.patch.chords(old).map(DVec3::length);
+        let runs_along_pole = |k: usize| {
+            let mut poles = piece.collapsed_sides().map(|(side, _)| side);
+            poles.any(|side| side.parameter() != k && side.is_reached_by(&old))
+        };
+        let rect = self.rect.cut_down_to(std::array::from_fn(|k| {
             let more = WIDENING * (old[k][1] - old[k][0]);
-            ranges[k] = [kept[k][0] - more, kept[k][1] + more];
-        }
-        let rect = self.rect.cut_down_to(ranges);
+            let is_long = WIDENING * chords[k] > LEAST_MARGIN * piece.patch.noise();
+            let is_cut = is_long && !runs_along_pole(k);
+            if is_cut { [kept[k][0] - more, kept[k][1] + more] } else { old[k] }
+        }));
         let new = rect.ranges();
         let area = |[s, t]: [[f64; 2]; 2]| (s[1] - s[0]) * (t[1] - t[0]);
         if area(new) > WORTH_CUTTING_DOWN * area(old) {
@@ -262,40 +275,61 @@ impl PartNet {
 mod tests {
     use std::f64::consts::TAU;
 
-    use glam::DVec2;
+    use glam::{DVec2, DVec3};
 
-    use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
-    use crate::geometry::{TrimmedSurface, shapes};
+    use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims, UvBox};
+    use crate::geometry::{KnotVector, NurbsSurface, TrimmedSurface};
     use crate::math::SplitMix;
     use crate::patch::PatchSet;
 
-    /// A polygon about the middle of the unit square.
-    fn polygon(corners: usize, radius: impl Fn(usize) -> f64, aspect: DVec2) -> TrimLoop {
+    /// The corners of a polygon about the middle of the unit square.
+    fn polygon(corners: usize, radius: impl Fn(usize) -> f64, aspect: DVec2) -> Vec<DVec2> {
         let corner = |k: usize| {
             let turn = DVec2::from_angle(0.3 + TAU * k as f64 / corners as f64);
             0.5 + radius(k) * aspect * turn
         };
-        TrimLoop::polygon(&(0..corners).map(corner).collect::<Vec<_>>()).unwrap()
+        (0..corners).map(corner).collect()
+    }
+
+    fn rectangle(u: [f64; 2], v: [f64; 2]) -> Vec<DVec2> {
+        let UvBox { min, max } = UvBox::new(u, v);
+        vec![min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)]
+    }
+
+    /// The unit square with parameters from `offset` on, trimmed by polygons in the unit square.
+    fn trimmed(offset: f64, kept: Kept, polygons: &[Vec<DVec2>]) -> TrimmedSurface {
+        let range = [offset, offset + 1.0];
+        let knots = || KnotVector::new(1, vec![range[0], range[0], range[1], range[1]]).unwrap();
+        let points = [DVec3::ZERO, DVec3::Y, DVec3::X, DVec3::X + DVec3::Y];
+        let plane = NurbsSurface::new(knots(), knots(), points.to_vec(), None).unwrap();
+        let loops = polygons.iter().map(|corners| {
+            let moved: Vec<DVec2> = corners.iter().map(|corner| corner + offset).collect();
+            TrimLoop::polygon(&moved).unwrap()
+        });
+        let domain = TrimDomain::new(range, range).unwrap();
+        let trims = Trims::new(domain, kept, &loops.collect::<Vec<_>>()).unwrap();
+        TrimmedSurface::new(plane, trims).unwrap()
     }
 
     #[test]
     fn leaves_hold_all_that_trims_keep_and_little_more() {
         let [even, slender] = [DVec2::ONE, DVec2::new(0.02, 0.9)];
         let star = |k: usize| if k.is_multiple_of(2) { 0.45 } else { 0.15 };
-        let shapes = [
+        let polygons = [
             vec![polygon(3, |_| 0.4, even)],
             vec![polygon(5, |_| 0.5, slender)],
             vec![polygon(14, star, even)],
             vec![polygon(40, |_| 0.4, even), polygon(40, |_| 0.3, even)],
             vec![polygon(4, |_| 1e-3, even)],
+            // Along lines at which parts are halved.
+            vec![rectangle([0.25, 0.5], [0.0, 1.0]), rectangle([0.375, 0.4375], [0.5, 0.75])],
+            // Far thinner than any leaf.
+            vec![rectangle([0.3, 0.3 + 1e-7], [0.1, 0.9])],
         ];
         let mut random = SplitMix::new(15);
-        for (k, loops) in shapes.iter().enumerate() {
-            let plane = shapes::plane(1.0, 1.0).unwrap();
-            let domain = TrimDomain::new([0.0, 1.0], [0.0, 1.0]).unwrap();
-            let trims = Trims::new(domain, Kept::Odd, loops).unwrap();
-            let bounds = trims.bounds();
-            let surface = TrimmedSurface::new(plane, trims).unwrap();
+        for (k, offset) in (0..polygons.len()).flat_map(|k| [(k, 0.0), (k, -3e6)]) {
+            let surface = trimmed(offset, Kept::Odd, &polygons[k]);
+            let bounds = surface.trims().bounds();
             let (_, parts) = PatchSet::new(std::slice::from_ref(&surface)).unwrap();
             let rects: Vec<[[f64; 2]; 2]> =
                 parts.all().iter().map(|part| part.rect.ranges()).collect();
@@ -305,16 +339,25 @@ mod tests {
             let (mut kept, mut held) = (0, 0);
             for _ in 0..20_000 {
                 let uv = bounds.min + bounds.size() * DVec2::new(random.unit(), random.unit());
-                let is_held = rects.iter().any(|rect| holds(uv, rect));
+                let is_held = rects.iter().any(|rect| holds(uv - offset, rect));
                 let is_kept = surface.keeps(uv);
-                assert!(is_held || !is_kept, "{uv} of {k}");
+                assert!(is_held || !is_kept, "{uv} of {k} at {offset}");
                 kept += u32::from(is_kept);
                 held += u32::from(is_held);
             }
             let area: f64 = rects.iter().map(|[s, t]| (s[1] - s[0]) * (t[1] - t[0])).sum();
             let size = bounds.size();
-            assert!(area < 1.5 * size.x * size.y, "{k}: {area}");
-            assert!(f64::from(held) < 1.8 * f64::from(kept), "{k}: {held} of {kept}");
+            assert!(area < 1.5 * size.x.max(1e-4) * size.y, "{k} at {offset}: {area}");
+            assert!(f64::from(held) < 1.8 * f64::from(kept), "{k} at {offset}: {held} of {kept}");
         }
+    }
+
+    #[test]
+    fn what_surrounds_a_hole_is_not_cut_down() {
+        let surface = trimmed(0.0, Kept::Even, &[polygon(12, |_| 0.01, DVec2::ONE)]);
+        let (_, parts) = PatchSet::new(std::slice::from_ref(&surface)).unwrap();
+        let rects = parts.all().iter().map(|part| part.rect.ranges());
+        let area: f64 = rects.map(|[s, t]| (s[1] - s[0]) * (t[1] - t[0])).sum();
+        assert!((1.0 - 0.01 * 0.01 * 4.0..=1.0).contains(&area), "{area}");
     }
 }

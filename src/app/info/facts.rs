@@ -166,16 +166,10 @@ fn authored(world: &World, index: usize) -> SurfaceFacts {
     }
 }
 
-/// The part of a rectangle of a piece's unit square within the bounds of the piece's trims; the
-/// whole rectangle if that part is empty, as where the two just touch.
+/// The part of a rectangle of a piece's unit square that the piece's trims keep; the whole rectangle
+/// if that part is empty, as where the two just touch.
 fn kept_part(piece: &Piece, rect: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
-    let Some(trims) = piece.trims() else { return rect };
-    let (kept, domain) = (trims.bounds(), piece.domain());
-    let mut part = rect;
-    for k in 0..2 {
-        let [from, to] = domain[k];
-        let at = |u: f64| (u - from) / (to - from);
-        part[k] = [rect[k][0].max(at(kept.min[k])), rect[k][1].min(at(kept.max[k]))];
-    }
+    let Some(kept) = piece.kept_part(rect) else { return rect };
+    let part = [0, 1].map(|k| [rect[k][0].max(kept[k][0]), rect[k][1].min(kept[k][1])]);
     if part.iter().all(|[from, to]| from < to) { part } else { rect }
 }

@@ -6,8 +6,9 @@ use super::UvBox;
 use crate::math::bernstein::{self, binomial};
 use crate::math::rounding::UNIT_ROUNDOFF;
 
-/// The most steps of the search in [`Segment::passing`]. Four steps halve the remaining stretch, so
-/// it ends at 2⁻⁶⁴ of the segment, far below one rounding error.
+/// The most steps of the searches in [`Segment::passing`] and [`Segment::stretch_within`]. Four
+/// steps halve the remaining stretch, so they end at 2⁻⁶⁴ of the segment, far below one rounding
+/// error.
 const MOST_STEPS: usize = 256;
 
 /// A segment is flat if the band of its control points is no wider than this fraction of its chord.
@@ -261,8 +262,8 @@ impl Segment {
         }
     }
 
-    /// From and to in the parameter, in `[0, 1]`, where it runs through a rectangle, or a little
-    /// farther to both sides; `None` where it does not enter.
+    /// From and to in the parameter, in `[0, 1]`, where it runs through a rectangle; `None` where it
+    /// does not enter. It ends at its own ends, or a little farther out than the rectangle.
     pub(super) fn stretch_within(&self, rect: &UvBox) -> Option<[f64; 2]> {
         let [from, to] = self.ends;
         let mut range = [0.0f64, 1.0f64];

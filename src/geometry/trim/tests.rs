@@ -444,7 +444,7 @@ fn what_is_kept_of_a_rectangle_is_within_a_close_one() {
     for degree in [1, 2, 3, 5] {
         let curve = smooth(&mut random, degree, 9 + degree);
         let cut = trims(&[TrimLoop::new(&[TrimCurve::nurbs(&curve).unwrap()]).unwrap()]);
-        let (mut nothing, mut smaller) = (0, 0);
+        let (mut nothing, mut smaller, mut close) = (0, 0, 0);
         for _ in 0..1000 {
             let center = random.in_box(UvBox::new([-1.6, 1.6], [-1.6, 1.6]));
             let size = 0.5 * DVec2::new(random.next().powi(3), random.next().powi(3));
@@ -464,11 +464,13 @@ fn what_is_kept_of_a_rectangle_is_within_a_close_one() {
             // Corners of the curve may reach between the points.
             let spare = 4.0 * rect.size() / f64::from(steps);
             if let Some(kept) = kept.filter(|kept| *kept != rect && seen != UvBox::EMPTY) {
-                let close = seen.grown(spare);
-                smaller += u32::from(close.holds(kept.min) && close.holds(kept.max));
+                let about = seen.grown(spare);
+                close += u32::from(about.holds(kept.min) && about.holds(kept.max));
+                smaller += 1;
             }
         }
         assert!(nothing > 100 && smaller > 100, "{degree}: {nothing} {smaller}");
+        assert!(f64::from(close) > 0.9 * f64::from(smaller), "{degree}: {close} of {smaller}");
     }
 }
 

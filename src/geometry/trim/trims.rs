@@ -87,10 +87,12 @@ pub enum Coverage {
 ///
 /// # What a tracer does with it
 /// At build, each leaf's rectangle is classified once: leaves outside are dropped, leaves inside,
-/// or cut along the domain's border only, forget the trims, mixed leaves are marked as mixed. A hit
-/// on a mixed leaf is dropped if it is [`Side::Outside`] and reported otherwise, edges included: the
-/// kept part is closed, as a surface is at its border. A hit is flagged as being at a trim edge if
-/// it is an [`Side::Edge`] [within](Trims::contains_within) the error bound of its point in space.
+/// or cut along the domain's border only, forget the trims, mixed leaves are cut down to what is
+/// kept and marked as mixed. A hit on a mixed leaf is dropped if it is [`Side::Outside`] and
+/// reported otherwise, edges included: the kept part is closed, as a surface is at its border. A
+/// hit is flagged as being at a trim edge if it is an [`Side::Edge`]
+/// [within](Trims::contains_within) the error bound of its point in space. Away from edges, the few
+/// curves of a leaf's window (`window`) give the same answers faster.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trims {
     domain: TrimDomain,
@@ -221,8 +223,8 @@ impl Trims {
         }
     }
 
-    /// A rectangle that holds everything that is kept of another one, except for rounding; `None` if
-    /// nothing is.
+    /// A rectangle that holds everything that is kept of another one, except for rounding of points;
+    /// `None` if nothing is.
     ///
     /// What is kept reaches farthest at a curve, or along a whole side, its corners included.
     pub(crate) fn kept_within(&self, rect: &UvBox) -> Option<UvBox> {

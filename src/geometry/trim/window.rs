@@ -6,22 +6,25 @@
 //!
 //! # Why it is certain
 //! Whether a point is kept is the parity of the number of times a ray from it towards larger u
-//! crosses the loops (and of [`Kept::Even`](super::Kept)). Each monotone segment of a loop has at most one
-//! stretch in the window; all other parts of the loops stay outside.
+//! crosses the loops; with [`Kept::Even`](super::Kept) the opposite. Each monotone segment of a loop
+//! has at most one stretch in the window; all other parts of the loops stay outside. (Stretches end
+//! a little farther out than the window reaches, so that rounding of points on them does not count.)
 //!
-//! - A stretch rises in v from one end to the other, so the ray crosses it if its level lies between
-//!   the ends and the point lies on the left. The stretch lies in the rectangle of its ends, and in
+//! - A stretch rises in v from one end to the other, so the ray crosses it if its level is between
+//!   the ends and the point is on the left. The stretch lies in the rectangle of its ends, and in
 //!   the band of its control points along its chord. A point that lies outside of either by more
 //!   than it may be off is on the same side as it seems to be; else nothing is decided.
 //! - The ray crosses the parts outside as often, up to an even number, as that from any other point
 //!   of the same level in the window, because moving the point does not cross them. With the level,
 //!   that number changes only where such a part ends, right of the window: at the end of a stretch.
-//!   Such an [*exit*](WindowCurve::exit) is another thing that is crossed by rays below it.
+//!   Such an [*exit*](WindowCurve::exit) is another thing that is crossed by rays below it. Where
+//!   two stretches join there, no such part ends, and their two exits cancel each other.
 //! - What is left does not depend on the point. One point that the loops themselves have decided
 //!   gives it; it is kept as something that every ray crosses.
 //!
-//! The level of an end is the same number in all that begins or ends there, so rounding it changes
-//! no parity, as long as points that are near the end itself are not decided.
+//! The level of an end is the same number in all that begins or ends there. Rounding it changes no
+//! parity: a point that is decided, and about at that level, is left of everything that begins or
+//! ends there, or right of it all, because the end itself is not within reach of the point.
 
 use glam::DVec2;
 
@@ -130,7 +133,8 @@ impl Trims {
             let points: Vec<DVec2> =
                 segment.control_points(range).map(|point| (point - center) / half).collect();
             let ends = [points[0], points[points.len() - 1]];
-            exits.extend(ends.into_iter().filter(|end| end.x > WINDOW_REACH).map(|end| end.y));
+            let is_exit = |end: &DVec2| end.x > WINDOW_REACH && end.y.abs() <= WINDOW_REACH;
+            exits.extend(ends.into_iter().filter(is_exit).map(|end| end.y));
             window.push(WindowCurve::stretch(&points));
             let is_exact = (2.0 * segment.reach()).cmple(most_off).all(); // false for NaN
             window.len() > MOST_CURVES || !is_exact

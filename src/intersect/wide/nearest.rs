@@ -1,7 +1,7 @@
 //! Which of two hits counts.
 
 use super::single::ray::HitPlace;
-use super::trimmed::is_kept;
+use super::trimmed::trims_keep;
 use super::view::BvhView;
 use crate::patch::Leaf;
 
@@ -25,7 +25,7 @@ pub(super) fn keep(found: &HitPlace, view: &BvhView<'_>, nearest: Option<&HitPla
     // A hit that lies beyond the nearest by more than twice its own error bound need not be judged.
     let beyond = |known: &HitPlace| found.z > known.z + 2.0 * found.z_error;
     if leaf.is_trimmed() && !nearest.is_some_and(beyond) {
-        match is_kept(found, view) {
+        match trims_keep(found, view) {
             Some(true) => {}
             Some(false) => return Kept::Not,
             None => return Kept::Undecided,
@@ -41,7 +41,7 @@ pub(super) fn keep(found: &HitPlace, view: &BvhView<'_>, nearest: Option<&HitPla
 /// Whether trims cut off a root for certain.
 #[inline(always)]
 pub(super) fn is_cut_off(found: &HitPlace, view: &BvhView<'_>) -> bool {
-    view.leaves[found.leaf as usize].is_trimmed() && is_kept(found, view) == Some(false)
+    view.leaves[found.leaf as usize].is_trimmed() && trims_keep(found, view) == Some(false)
 }
 
 /// Whether a leaf comes before another one in the order of pieces and their parts.

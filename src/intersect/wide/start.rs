@@ -24,9 +24,7 @@ impl Start<'_> {
     #[inline(always)]
     pub(super) fn place_in(&self, leaf: &Leaf) -> Option<[f32; 2]> {
         let root = self.from.filter(|root| root.piece == leaf.piece)?;
-        let [s, t] = leaf.rect();
-        let place = |[from, to]: [f64; 2], at: f64| (2.0 * at - (from + to)) / (to - from);
-        Some([place(s, root.st.x) as f32, place(t, root.st.y) as f32])
+        Some(leaf.box_coordinates(root.st).as_vec2().to_array())
     }
 
     /// Whether the ray starts on a leaf and is known not to meet it again. `certified` says whether

@@ -8,17 +8,17 @@ use super::single::ray::HitPlace;
 use super::view::BvhView;
 use crate::geometry::trim::{self, Side, WINDOW_REACH, WINDOW_SPARE, WindowCurve};
 use crate::intersect::crossings::borders::{TRIM_REACH, TRIM_SPARE, trim_reach};
-use crate::patch::Leaf;
+use crate::patch::{FIT_DOMAIN, Leaf, WIDENING};
 
-/// How near a trim edge must be, in either parameter, in units of the error times the sum of both
-/// tangents' lengths over the length of their cross product. This is no less than [`trim_reach`]
-/// says, as a length is at most the sum.
+/// How near a trim edge must be, in either parameter, in units of the error times an upper bound of
+/// how much of the parameter there is to a unit of length, such as the sum of both tangents' lengths
+/// over the length of their cross product: see [`trim_reach`].
 pub(super) const EDGE_REACH: f64 = TRIM_SPARE * TRIM_REACH;
 
 /// Whether a root of a leaf that a trim curve passes through is kept; `None` at an edge, where the
 /// scalar search must judge it.
 #[inline(never)]
-pub(super) fn is_kept(found: &HitPlace, view: &BvhView<'_>) -> Option<bool> {
+pub(super) fn trims_keep(found: &HitPlace, view: &BvhView<'_>) -> Option<bool> {
     let window = view.windows.of(found.leaf);
     let leaf = &view.leaves[found.leaf as usize];
     window_keeps(window, leaf, found).or_else(|| {
@@ -33,20 +33,21 @@ pub(super) fn is_kept(found: &HitPlace, view: &BvhView<'_>) -> Option<bool> {
 }
 
 /// The same as far as the leaf's window tells. The place may be off by no more than
-/// [`Leaf::stretch`] allows, which is no less than [`trim_reach`] says.
+/// [`Leaf::stretch`] allows, which is no less than [`trim_reach`] says but for rounding, and
+/// [`TRIM_SPARE`] covers that. Where nothing is known of it, as at poles, the window does not tell.
 fn window_keeps(window: &[WindowCurve], leaf: &Leaf, found: &HitPlace) -> Option<bool> {
     if window.is_empty() {
         return None;
     }
-    let box_coordinate = |k: usize| {
-        let [from, to] = leaf.rect()[k];
-        (found.st[k] - 0.5 * (from + to)) * (2.0 / (to - from))
-    };
-    let place = DVec2::new(box_coordinate(0), box_coordinate(1));
     let lengths = DVec2::from_array(leaf.half_side_lengths().map(f64::from));
     let reach = EDGE_REACH * found.z_error * f64::from(leaf.stretch()) / lengths;
-    trim::is_kept(window, place, reach)
+    trim::is_kept(window, leaf.box_coordinates(found.st), reach)
 }
+
+/// The window reaches farther than places on a leaf for which anything is proved, but not as far as
+/// what is known of the leaf.
+const _: () = assert!(1.0 + 2.0 * WIDENING + WINDOW_SPARE < WINDOW_REACH);
+const _: () = assert!(WINDOW_REACH <= FIT_DOMAIN);
 
 /// Eight places on a leaf, and by how much they may be off, in box coordinates.
 pub(super) struct Places<S: Simd> {

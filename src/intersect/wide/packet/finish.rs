@@ -224,8 +224,7 @@ fn eight<S: Simd>(simd: S, lanes: &[f64; PACKET], base: usize) -> f64x8<S> {
     f64x8::from_slice(simd, &lanes[base..base + 8])
 }
 
-/// Of the lanes that are asked for, those that the trims keep, and those that do not lie at an edge;
-/// for roots known to within `reach` in each parameter.
+/// Of the lanes that are asked for, those that the trims keep, and those not at an edge; for roots known to within `reach` in each parameter.
 #[simd]
 fn kept_by_trims<S: Simd>(
     simd: S,
@@ -234,13 +233,14 @@ fn kept_by_trims<S: Simd>(
     st: &[f64x8<S>; 2],
     reach: f64x8<S>,
 ) -> [mask64x8<S>; 2] {
+    let window = target.view.windows.of(target.index);
     let at = |k: usize| {
         let (middle, per_half) = (closer.middle[k], closer.per_half[k]);
         (st[k] - f64x8::splat(simd, middle)) * f64x8::splat(simd, per_half)
     };
     let reach_in_box = closer.per_half.map(|per_half| reach * f64x8::splat(simd, per_half));
     let places = Places { at: [at(0), at(1)], reach: reach_in_box };
-    let [kept, decided] = kept_in_window(simd, target.view.windows.of(target.index), &places);
+    let [kept, decided] = kept_in_window(simd, window, &places);
     let [mut kept, mut decided] = [kept & decided & asked, decided & asked].map(|m| m.to_bitmask());
     // The trims themselves tell where the window does not.
     for k in set_bits(asked.to_bitmask() & !decided) {
