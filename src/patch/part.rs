@@ -320,7 +320,7 @@ mod tests {
             vec![polygon(5, |_| 0.5, slender)],
             vec![polygon(14, star, even)],
             vec![polygon(40, |_| 0.4, even), polygon(40, |_| 0.3, even)],
-            vec![polygon(4, |_| 1e-3, even)],
+            vec![polygon(4, |_| 0.03, even)],
             // Along lines at which parts are halved.
             vec![rectangle([0.25, 0.5], [0.0, 1.0]), rectangle([0.375, 0.4375], [0.5, 0.75])],
             // Far thinner than any leaf.
@@ -347,7 +347,8 @@ mod tests {
             }
             let area: f64 = rects.iter().map(|[s, t]| (s[1] - s[0]) * (t[1] - t[0])).sum();
             let size = bounds.size();
-            assert!(area < 1.5 * size.x.max(1e-4) * size.y, "{k} at {offset}: {area}");
+            let size = size.max(DVec2::splat(1.0 / 128.0));
+            assert!(area < 1.5 * size.x * size.y, "{k} at {offset}: {area}");
             assert!(f64::from(held) < 1.8 * f64::from(kept), "{k} at {offset}: {held} of {kept}");
         }
     }
