@@ -23,7 +23,7 @@ const FLATTEST: f64 = 0.09;
 /// made for the sake of the curve, the second, and so on: halves that are cut off, or cut down, are
 /// met by fewer rays, and hits on halves that the curve misses need no test.
 ///
-/// Measured: with six such halvings instead of four, five models of trimmed planes and cylinders
+/// Measured: with six such halvings instead of four, four models of trimmed planes and cylinders
 /// are traced 0.9 to 1.2 times as fast, mostly 1.05 times, and take up to 1.35 times the memory.
 /// Eight and twelve gain one of them another 1.1 times, and the others nothing.
 const AT_TRIMS: [f64; 6] = [0.15, 0.15, 0.12, 0.12, 0.12, 0.12];
