@@ -8,14 +8,14 @@
 //! borders, and which are collapsed to a point.
 //!
 //! A piece is halved until it is flat, which gives parts (`part`); where trims cut something off,
-//! parts are cut down to what is kept, and `trim_windows` say what hits are compared with. The parts of neighbouring pieces
-//! of dense surfaces are kept together (`tiles`), so that blocks of the tree are full. A [`Leaf`]
-//! is what is kept of a part to search it: an approximation (`fit`) and a certificate, which is the
-//! proof, made once, that every ray steep enough to the leaf's mean normal meets it at most once.
-//! Bounds ([`Aabb`] and oriented boxes) are proved to hold all points of the leaf. Leaves are for
-//! searching only. Points are always computed on the whole piece, in one order of operations, so
-//! that neighbouring leaves agree on their common line: by Bernstein functions, or, where speed
-//! counts, in power form (`powers`).
+//! parts are cut down to what is kept, and `trim_windows` say what hits are compared with. The
+//! parts of neighbouring pieces of dense surfaces are kept together (`tiles`), so that blocks of
+//! the tree are full. A [`Leaf`] is what is kept of a part to search it: an approximation (`fit`)
+//! and a certificate, which is the proof, made once, that every ray steep enough to the leaf's mean
+//! normal meets it at most once. Bounds ([`Aabb`] and oriented boxes) are proved to hold all points
+//! of the leaf. Leaves are for searching only. Points are always computed on the whole piece, in
+//! one order of operations, so that neighbouring leaves agree on their common line: by Bernstein
+//! functions, or, where speed counts, in power form (`powers`).
 //!
 //! [`Aabb`]: crate::math::Aabb
 

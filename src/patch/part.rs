@@ -9,7 +9,8 @@ use crate::geometry::trim::{Coverage, Trims};
 use crate::math::{Aabb, bernstein};
 
 /// A trim curve within the domain that stays this near to the border of a part, as a fraction of
-/// its sides, is not worth halving for: all parts on that side would be mixed, and hardly less of them kept.
+/// its sides, is not worth halving for: all parts on that side would be mixed, and hardly less of
+/// them kept.
 const RIM: f64 = 1.0 / 16.0;
 
 /// Leaves flatter than this gain little. Flat leaves need fewer Newton steps, fit their boxes

@@ -5,7 +5,8 @@ use rayon::prelude::*;
 use super::{Leaf, Piece};
 use crate::geometry::trim::WindowCurve;
 
-/// The windows ([`Trims::window`](crate::geometry::trim::Trims::window)) of all leaves that trim curves pass through.
+/// The windows ([`Trims::window`](crate::geometry::trim::Trims::window)) of all leaves that trim
+/// curves pass through.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TrimWindows {
     curves: Vec<WindowCurve>,

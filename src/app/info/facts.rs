@@ -166,8 +166,8 @@ fn authored(world: &World, index: usize) -> SurfaceFacts {
     }
 }
 
-/// The part of a rectangle of a piece's unit square that the piece's trims keep; the whole rectangle
-/// if that part is empty, as where the two just touch.
+/// The part of a rectangle of a piece's unit square that the piece's trims keep; the whole
+/// rectangle if that part is empty, as where the two just touch.
 fn kept_part(piece: &Piece, rect: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
     let Some(kept) = piece.kept_part(rect) else { return rect };
     let part = [0, 1].map(|k| [rect[k][0].max(kept[k][0]), rect[k][1].min(kept[k][1])]);

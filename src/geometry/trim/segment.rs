@@ -262,8 +262,8 @@ impl Segment {
         }
     }
 
-    /// From and to in the parameter, in `[0, 1]`, where it runs through a rectangle; `None` where it
-    /// does not enter. It ends at its own ends, or a little farther out than the rectangle.
+    /// From and to in the parameter, in `[0, 1]`, where it runs through a rectangle; `None` where
+    /// it does not enter. It ends at its own ends, or a little farther out than the rectangle.
     pub(super) fn stretch_within(&self, rect: &UvBox) -> Option<[f64; 2]> {
         let [from, to] = self.ends;
         let mut range = [0.0f64, 1.0f64];

@@ -223,8 +223,8 @@ impl Trims {
         }
     }
 
-    /// A rectangle that holds everything that is kept of another one, except for rounding of points;
-    /// `None` if nothing is.
+    /// A rectangle that holds everything that is kept of another one, except for rounding of
+    /// points; `None` if nothing is.
     ///
     /// What is kept reaches farthest at a curve, or along a whole side, its corners included.
     pub(crate) fn kept_within(&self, rect: &UvBox) -> Option<UvBox> {

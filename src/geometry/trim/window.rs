@@ -6,9 +6,10 @@
 //!
 //! # Why it is certain
 //! Whether a point is kept is the parity of the number of times a ray from it towards larger u
-//! crosses the loops; with [`Kept::Even`](super::Kept) the opposite. Each monotone segment of a loop
-//! has at most one stretch in the window; all other parts of the loops stay outside. (Stretches end
-//! a little farther out than the window reaches, so that rounding of points on them does not count.)
+//! crosses the loops; with [`Kept::Even`](super::Kept) the opposite. Each monotone segment of a
+//! loop has at most one stretch in the window; all other parts of the loops stay outside.
+//! (Stretches end a little farther out than the window reaches, so that rounding of points on them
+//! does not count.)
 //!
 //! - A stretch rises in v from one end to the other, so the ray crosses it if its level is between
 //!   the ends and the point is on the left. The stretch lies in the rectangle of its ends, and in

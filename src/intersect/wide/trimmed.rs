@@ -11,8 +11,8 @@ use crate::intersect::crossings::borders::{TRIM_REACH, TRIM_SPARE, trim_reach};
 use crate::patch::{FIT_DOMAIN, Leaf, WIDENING};
 
 /// How near a trim edge must be, in either parameter, in units of the error times an upper bound of
-/// how much of the parameter there is to a unit of length, such as the sum of both tangents' lengths
-/// over the length of their cross product: see [`trim_reach`].
+/// how much of the parameter there is to a unit of length, such as the sum of both tangents'
+/// lengths over the length of their cross product: see [`trim_reach`].
 pub(super) const EDGE_REACH: f64 = TRIM_SPARE * TRIM_REACH;
 
 /// Whether a root of a leaf that a trim curve passes through is kept; `None` at an edge, where the

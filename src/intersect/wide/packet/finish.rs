@@ -224,7 +224,8 @@ fn eight<S: Simd>(simd: S, lanes: &[f64; PACKET], base: usize) -> f64x8<S> {
     f64x8::from_slice(simd, &lanes[base..base + 8])
 }
 
-/// Of the lanes that are asked for, those that the trims keep, and those not at an edge; for roots known to within `reach` in each parameter.
+/// Of the lanes that are asked for, those that the trims keep, and those not at an edge; for roots
+/// known to within `reach` in each parameter.
 #[simd]
 fn kept_by_trims<S: Simd>(
     simd: S,
