@@ -41,7 +41,7 @@ pub(super) struct Segment {
     /// Whether the loop runs along the segment in the stored direction.
     forward: bool,
     reach: DVec2,
-    /// Whether it lies on the border of the domain.
+    /// Whether it lies on the border of the domain, or outside.
     on_border: bool,
     /// The vector perpendicular to the chord, as long as the chord, towards smaller u.
     across: DVec2,
@@ -136,14 +136,15 @@ impl Segment {
         self.reach
     }
 
-    /// Finds out whether it lies on the border of a domain, to within `off` in u and in v.
+    /// Finds out whether it reaches into a domain by no more than its reach and `off`, in u or in v.
     pub(super) fn look_for_border(&mut self, domain: &UvBox, off: DVec2) {
         let UvBox { min, max } = self.bounds();
-        let lies_at = |at: DVec2| ((max - at).max(at - min)).cmple(off + self.reach).any();
-        self.on_border = lies_at(domain.min) || lies_at(domain.max);
+        let off = off + self.reach;
+        let is_low = max.cmple(domain.min + off).any();
+        self.on_border = is_low || min.cmpge(domain.max - off).any();
     }
 
-    /// Whether it lies on the border of the domain, where it cuts nothing.
+    /// Whether it lies on the border of the domain, or outside, where it cuts nothing.
     pub(super) fn is_on_border(&self) -> bool {
         self.on_border
     }

@@ -18,8 +18,13 @@ pub const MAX_TRIM_SEGMENTS: usize = 1 << 21;
 const MAX_PERIODS: usize = 64;
 
 /// Loops that pass the domain's border by no more than this fraction of its length do not reach
-/// into it, and curves no farther from it lie on it.
+/// into it.
 const TOUCH: f64 = 1e-12;
+
+/// Curves that reach into the domain by no more than this fraction of its length, beyond their own
+/// error, lie on its border. What they cut off is so narrow that hits on it count as hits on the
+/// border. (In files with borders and loops of 13 digits they reach in farther.)
+const ON_BORDER: f64 = 8.0 * UNIT_ROUNDOFF;
 
 /// Which side of the loops is kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -208,9 +213,9 @@ impl Trims {
     ///
     /// `Inside` and `Outside` are proved: no trim curve comes within rounding error of the closed
     /// rectangle, so [`Trims::contains`] gives the same answer for each of its points. Curves along
-    /// the domain's border do not count, as what they cut off is not part of the surface: if they
-    /// run within the domain by less than 1e-12 of its length, so much of it may be cut off. An
-    /// invalid rectangle (`min > max`, NaN) is `Mixed`.
+    /// the domain's border do not count, as what they cut off is not part of the surface: points
+    /// within rounding of such a border may be on either side. An invalid rectangle (`min > max`,
+    /// NaN) is `Mixed`.
     pub fn classify(&self, rect: &UvBox) -> Coverage {
         let proper = rect.min.cmple(rect.max).all(); // false for NaN
         if !proper || self.cuts(rect) {
@@ -330,10 +335,10 @@ impl Trims {
     }
 }
 
-/// Marks the segments that lie on the domain's border.
+/// Marks the segments that lie on the domain's border, or outside.
 fn look_for_border(domain: &TrimDomain, segments: &mut [Segment]) {
     let bounds = domain.bounds();
-    let off = TOUCH * bounds.size();
+    let off = ON_BORDER * bounds.size();
     segments.iter_mut().for_each(|segment| segment.look_for_border(&bounds, off));
 }
 
