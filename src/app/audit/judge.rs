@@ -196,7 +196,9 @@ impl<'a> Judge<'a> {
         let (site, t) = shot.target?;
         let (on_edge, kept) = match &self.outlines[site.surface] {
             Outline::Whole => (false, true),
-            Outline::Within(lines) => (lines.is_joint(site.uv), lines.keeps(site.uv) == Some(true)),
+            Outline::Within(lines) => {
+                (lines.is_kept_corner(site.uv), lines.keeps(site.uv) == Some(true))
+            }
             Outline::Unknown => (false, false),
         };
         if !(kept || on_edge) {

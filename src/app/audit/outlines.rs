@@ -1,11 +1,16 @@
 //! Which part of a surface trims keep, found a second way: by even–odd against polylines.
 
+use std::f64::consts::PI;
+
 use glam::DVec2;
 use nurbray::geometry::Surface;
 use nurbray::geometry::trim::Kept;
 
 /// The largest distance of polylines from their curves, as a share of the domain's shorter side.
 const TOLERANCE: f64 = 1e-3;
+
+/// How far beside a corner it is asked what is kept there, as a share of the domain.
+const BESIDE: f64 = 1e-7;
 
 /// The part of a surface that trims keep.
 #[derive(Clone, Debug)]
@@ -51,18 +56,18 @@ pub(crate) struct Outlines {
 impl Outlines {
     /// Whether a point is kept; `None` if a curve may pass on the point's other side.
     pub(crate) fn keeps(&self, uv: DVec2) -> Option<bool> {
-        let mut odd = false;
-        for pair in self.sides() {
-            let [a, b] = pair;
-            if distance(uv, a, b) <= 2.0 * self.tolerance {
-                return None;
-            }
-            if (a.y <= uv.y) != (b.y <= uv.y) {
-                let at = a.x + (uv.y - a.y) / (b.y - a.y) * (b.x - a.x);
-                odd ^= at > uv.x;
-            }
-        }
-        Some(odd == (self.kept == Kept::Odd))
+        let is_near = self.sides().any(|[a, b]| distance(uv, a, b) <= 2.0 * self.tolerance);
+        (!is_near).then(|| self.polygons_keep(uv))
+    }
+
+    /// Whether a point is kept by the polylines.
+    fn polygons_keep(&self, uv: DVec2) -> bool {
+        let is_crossed = |[a, b]: [DVec2; 2]| {
+            let is_level = (a.y <= uv.y) != (b.y <= uv.y);
+            is_level && a.x + (uv.y - a.y) / (b.y - a.y) * (b.x - a.x) > uv.x
+        };
+        let odd = self.sides().filter(|&side| is_crossed(side)).count() % 2 != 0;
+        odd == (self.kept == Kept::Odd)
     }
 
     /// Whether a polyline passes within `reach` of a point, in u and in v separately.
@@ -85,16 +90,40 @@ impl Outlines {
         })
     }
 
-    /// Whether a point is a corner of a polyline, within the domain or not.
-    pub(crate) fn is_joint(&self, uv: DVec2) -> bool {
-        self.lines.iter().flatten().any(|&joint| joint == uv)
+    /// Whether a point is a corner of a polyline at which something is kept: in one of the sectors
+    /// between the sides that end there, within the domain. A corner on the domain's border may
+    /// have nothing but what is cut off around it, and so may one where loops touch.
+    pub(crate) fn is_kept_corner(&self, uv: DVec2) -> bool {
+        let [low, high] = self.domain_corners();
+        let size = high - low;
+        let ends = |[a, b]: [DVec2; 2]| [(a, b), (b, a)];
+        let sides = self.sides().flat_map(ends).filter(|&(end, _)| end == uv);
+        let mut angles: Vec<f64> = sides.map(|(_, to)| ((to - uv) / size).to_angle()).collect();
+        if angles.is_empty() {
+            return false;
+        }
+        // So that no sector reaches round a corner of the domain, or beyond its border.
+        angles.extend([-1.0, -0.5, 0.0, 0.5, 1.0].map(|half_turns| half_turns * PI));
+        angles.sort_by(f64::total_cmp);
+        angles.windows(2).any(|sector| {
+            let middle = DVec2::from_angle(0.5 * (sector[0] + sector[1]));
+            let beside = uv + BESIDE * middle * size;
+            let is_within = beside.cmpgt(low).all() && beside.cmplt(high).all();
+            is_within && self.polygons_keep(beside)
+        })
     }
 
     /// The corners of the polylines within the domain, which lie on the curves to rounding.
     pub(crate) fn joints(&self) -> impl Iterator<Item = DVec2> {
-        let [u, v] = self.domain;
-        let within = move |p: &&DVec2| (u.0..=u.1).contains(&p.x) && (v.0..=v.1).contains(&p.y);
+        let [low, high] = self.domain_corners();
+        let within = move |p: &&DVec2| p.cmpge(low).all() && p.cmple(high).all();
         self.lines.iter().flatten().filter(within).copied()
+    }
+
+    /// The lower and the upper ends of the domain.
+    fn domain_corners(&self) -> [DVec2; 2] {
+        let [u, v] = self.domain;
+        [DVec2::new(u.0, v.0), DVec2::new(u.1, v.1)]
     }
 
     fn sides(&self) -> impl Iterator<Item = [DVec2; 2]> {
@@ -141,8 +170,32 @@ mod tests {
         for joint in outlines.joints() {
             let radius = joint.distance(DVec2::splat(0.5));
             assert!((radius - 0.4).abs().min((radius - 0.2).abs()) < 1e-15, "{joint}");
-            assert!(outlines.is_joint(joint));
+            assert!(outlines.is_kept_corner(joint));
         }
+        assert!(!outlines.is_kept_corner(DVec2::new(0.75, 0.5)));
         assert!(matches!(Outline::of(&plane.into()), Outline::Whole));
+    }
+
+    #[test]
+    fn corners_at_which_all_is_cut_off_are_not_kept() {
+        let plane = shapes::plane(1.0, 1.0).unwrap();
+        let domain = TrimDomain::of(&plane).unwrap();
+        let from = |u: [f64; 2], v: [f64; 2]| {
+            let corners = [(u[0], v[0]), (u[1], v[0]), (u[1], v[1]), (u[0], v[1])];
+            TrimLoop::polygon(&corners.map(DVec2::from)).unwrap()
+        };
+        // The upper half, and a square beside a square below it.
+        let squares = [from([0.2, 0.4], [0.1, 0.3]), from([0.4, 0.6], [0.1, 0.3])];
+        let loops = [&[from([0.0, 1.0], [0.5, 1.0])][..], &squares].concat();
+        let trims = Trims::new(domain, Kept::Even, &loops).unwrap();
+        let outline = Outline::of(&TrimmedSurface::new(plane, trims).unwrap().into());
+        let outlines = outline.lines().unwrap();
+        let kept = [(0.0, 0.5), (1.0, 0.5), (0.2, 0.1), (0.4, 0.1), (0.4, 0.3)];
+        let cut_off = [(0.0, 1.0), (1.0, 1.0)];
+        for (corners, is_kept) in [(&kept[..], true), (&cut_off, false)] {
+            for &corner in corners {
+                assert_eq!(outlines.is_kept_corner(corner.into()), is_kept, "{corner:?}");
+            }
+        }
     }
 }

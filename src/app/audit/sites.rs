@@ -16,9 +16,9 @@ pub(crate) struct Site {
     pub(crate) uv: DVec2,
 }
 
-/// The deepest halving of a piece at whose lines rays are aimed: leaves are rarely smaller than
-/// a sixteenth of a piece.
-const HALVINGS: i32 = 4;
+/// The deepest halving of a piece at whose lines rays are aimed. Leaves are rarely smaller than a
+/// sixteenth of a piece, but those at trim edges are cut down by steps of a 256th.
+const HALVINGS: usize = 8;
 
 /// The surfaces of a model, and how to find places on them.
 #[derive(Debug)]
@@ -202,7 +202,7 @@ impl<'a> Sites<'a> {
     fn on_division(&self, random: &mut Random, chart: usize, direction: usize) -> f64 {
         let spans = &self.spans[chart][direction];
         let (start, end) = spans[random.below(spans.len())];
-        let parts = f64::powi(2.0, random.below(HALVINGS as usize + 1) as i32);
+        let parts = f64::powi(2.0, random.below(HALVINGS + 1) as i32);
         match random.below(parts as usize + 1) as f64 / parts {
             1.0 => end, // exactly, where start + (end − start) would round
             share => start + share * (end - start),
