@@ -55,7 +55,7 @@ struct PacketScratch {
 impl Default for PacketScratch {
     fn default() -> Self {
         Self {
-            packet: Packet::new(),
+            packet: Packet::default(),
             work: Work::default(),
             meetings: Vec::new(),
             doubt: [f64::INFINITY; PACKET],

@@ -61,7 +61,8 @@ mod view;
 mod wanted;
 
 pub(super) use box_ray::BLUR;
-pub(super) use packet::rays::{LaneHit, Packet};
+pub(super) use packet::hits::LaneHit;
+pub(super) use packet::rays::Packet;
 pub(super) use packet::read_ahead::{Ahead, Moment, ReadAhead};
 pub(super) use packet::traverse::{Work, trace};
 pub(super) use single::ray::{SingleHit, SingleRay};

@@ -49,9 +49,9 @@ impl Apart {
     #[simd]
     pub(super) fn set<S: Simd>(&mut self, simd: S, packet: &Packet, leaf_width: f32) {
         self.groups = None;
-        let spread = packet.bounds.origin_max - packet.bounds.origin_min;
+        let spread = packet.scaled.bounds.origin_max - packet.scaled.bounds.origin_min;
         // Where the directions differ in sign in two coordinates, the bounds say next to nothing.
-        let mixed = packet.bounds.sign.iter().filter(|&&sign| sign == 0).count();
+        let mixed = packet.scaled.bounds.sign.iter().filter(|&&sign| sign == 0).count();
         self.one_by_one = spread.max_element() > FAR_APART * leaf_width || mixed > 1;
         if !self.one_by_one {
             return;
@@ -59,7 +59,7 @@ impl Apart {
         let inverse = self.inverse.get_or_insert_with(|| Box::new([[0.0; PACKET]; 3]));
         let (one, least) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, LEAST_DIRECTION));
         for base in (0..PACKET).step_by(LANES) {
-            let axis = load3(simd, &packet.axis_f, base);
+            let axis = load3(simd, &packet.scaled.axis, base);
             for i in 0..3 {
                 let along = axis[i].abs().simd_lt(least).select(least.copysign(axis[i]), axis[i]);
                 (one / along).store_slice(&mut inverse[i][base..base + LANES]);
@@ -107,7 +107,7 @@ impl Apart {
         });
         let mut apart = 0;
         for (k, bounds) in groups.iter().enumerate() {
-            let of_group = met & enter_block(simd, block, bounds, packet.farthest).1;
+            let of_group = met & enter_block(simd, block, bounds, packet.scaled.farthest).1;
             apart |= u64::from(of_group) << (LANES * k);
         }
         apart
@@ -149,10 +149,11 @@ fn meeting_one_by_one<S: Simd>(
         if some == 0 {
             continue;
         }
-        let near_f = f32x16::from_slice(simd, &packet.near_f[base..base + LANES]);
-        let far_f = f32x16::from_slice(simd, &packet.far_f[base..base + LANES]);
+        let near_f = f32x16::from_slice(simd, &packet.scaled.near[base..base + LANES]);
+        let far_f = f32x16::from_slice(simd, &packet.scaled.far[base..base + LANES]);
         let inverse = load3(simd, inverse, base);
-        let (mut for_low, blur) = (load3(simd, &packet.origin_f, base), f32x16::splat(simd, BLUR));
+        let (mut for_low, blur) =
+            (load3(simd, &packet.scaled.origin, base), f32x16::splat(simd, BLUR));
         let mut for_high = for_low;
         for axis in 0..3 {
             for_low[axis] += blur;
@@ -188,10 +189,10 @@ fn leaves_of_rays<S: Simd>(
         return u64::from(met) * groups;
     }
     let mut apart = 0;
-    let ([x, y, z], [dx, dy, dz]) = (&packet.origin_f, &packet.axis_f);
+    let ([x, y, z], [dx, dy, dz]) = (&packet.scaled.origin, &packet.scaled.axis);
     for k in set_bits(rays) {
         let slabs = Slabs::new(simd, block, [x[k], y[k], z[k]], [dx[k], dy[k], dz[k]]);
-        let of_ray = met & slabs.met(simd, [packet.near_f[k], packet.far_f[k]]);
+        let of_ray = met & slabs.met(simd, [packet.scaled.near[k], packet.scaled.far[k]]);
         apart |= u64::from(of_ray) << (k / LANES * LANES);
     }
     apart

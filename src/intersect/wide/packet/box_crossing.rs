@@ -28,10 +28,10 @@ pub(in crate::intersect::wide) fn cross_box<S: Simd>(
     packet: &Packet,
     base: usize,
 ) -> BoxCrossing<S> {
-    let origin = load3(simd, &packet.origin_f, base);
-    let axis = load3(simd, &packet.axis_f, base);
-    let near = f32x16::from_slice(simd, &packet.near_f[base..base + 16]);
-    let far = f32x16::from_slice(simd, &packet.far_f[base..base + 16]);
+    let origin = load3(simd, &packet.scaled.origin, base);
+    let axis = load3(simd, &packet.scaled.axis, base);
+    let near = f32x16::from_slice(simd, &packet.scaled.near[base..base + 16]);
+    let far = f32x16::from_slice(simd, &packet.scaled.far[base..base + 16]);
     let mut entry = f32x16::splat(simd, f32::MIN);
     let mut exit = f32x16::splat(simd, f32::MAX);
     let (one, least) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, LEAST_SLOPE));

@@ -184,7 +184,7 @@ pub(super) fn settle<S: Simd>(
         }
     }
     if found {
-        packet.farthest = farthest(simd, packet);
+        packet.scaled.farthest = farthest(simd, packet);
     }
 }
 
@@ -202,7 +202,7 @@ fn settle_sixteen<S: Simd>(
     let mut asked = 0;
     for (lane, pair) in pairs[..*count].iter().enumerate() {
         // Something nearer may have been found since.
-        let beyond = pair.entry > packet.far_f[pair.ray] + BOX_SPARE;
+        let beyond = pair.entry > packet.scaled.far[pair.ray] + BOX_SPARE;
         asked |= u32::from(!beyond) << lane;
     }
     let mut all = Done::default();
@@ -226,7 +226,7 @@ fn settle_sixteen<S: Simd>(
             let oriented = view.tree.oriented(leaf);
             let target = Target::new(view, &oriented, leaf);
             let mut wanted = group.lanes;
-            if packet.from_roots {
+            if packet.starts.exist {
                 // If a ray starts in its part, the part's one root is the root it starts on.
                 let start = moved(start, bytes);
                 let start =

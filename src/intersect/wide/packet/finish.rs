@@ -75,12 +75,12 @@ pub(super) fn finish<S: Simd>(
         root.inverse_det = f64x8::splat(simd, 1.0) / dot_d(root.cross, rays.axis(simd));
     }
     let Converged { z, speed, .. } = root;
-    let from_error = eight(simd, &packet.from_error, base);
+    let from_error = eight(simd, &packet.starts.error, base);
     let ends = Ends {
-        z: [eight(simd, &packet.z_min, base), eight(simd, &packet.z_max, base)],
-        from_error: if packet.from_roots { Some(from_error) } else { None },
+        z: [eight(simd, &packet.rays.z_min, base), eight(simd, &packet.rays.z_max, base)],
+        from_error: if packet.starts.exist { Some(from_error) } else { None },
     };
-    let best = eight(simd, &packet.z, base);
+    let best = eight(simd, &packet.hits.z, base);
     let Verdict { size, z_error, mut undecided, at_end, acceptable, near_end } =
         root.verdict(simd, &ends, error, certified);
     let tie = acceptable & z.simd_eq(best);
@@ -118,7 +118,7 @@ fn put_hits<S: Simd>(
     (size, z_error): (f64x8<S>, f64x8<S>),
 ) {
     let high = f64x8::splat(simd, 1.0);
-    let t_from_z = f64x8::from_slice(simd, &packet.t_from_z[base..base + 8]);
+    let t_from_z = f64x8::from_slice(simd, &packet.rays.t_from_z[base..base + 8]);
     let ray_t = z * t_from_z;
     let inverse = high / size;
     // A closer look is also due where the normal or `t` is not finite.
@@ -138,22 +138,22 @@ fn put_hits<S: Simd>(
     }
     let normal = [cross[0] * inverse, cross[1] * inverse, cross[2] * inverse];
     let uv = surface_parameters(simd, target.piece, [root_s, root_t]);
-    put(simd, hit, &mut packet.z, base, z);
-    put(simd, hit, &mut packet.ray_t, base, ray_t);
-    put(simd, hit, &mut packet.z_error, base, z_error);
+    put(simd, hit, &mut packet.hits.z, base, z);
+    put(simd, hit, &mut packet.hits.t, base, ray_t);
+    put(simd, hit, &mut packet.hits.z_error, base, z_error);
     for i in 0..2 {
-        put(simd, hit, &mut packet.st[i], base, [root_s, root_t][i]);
-        put(simd, hit, &mut packet.uv[i], base, uv[i]);
+        put(simd, hit, &mut packet.hits.st[i], base, [root_s, root_t][i]);
+        put(simd, hit, &mut packet.hits.uv[i], base, uv[i]);
     }
-    put3(simd, hit, &mut packet.point, base, point);
-    put3(simd, hit, &mut packet.normal, base, normal);
+    put3(simd, hit, &mut packet.hits.point, base, point);
+    put3(simd, hit, &mut packet.hits.normal, base, normal);
     let hits = hit.to_bitmask();
-    packet.met |= hits << base;
-    packet.needs_look &= !(hits << base);
-    packet.needs_look |= (close & hit).to_bitmask() << base;
-    put_index(simd, hits, &mut packet.leaf, base, target.index);
-    put_index(simd, hits, &mut packet.piece, base, target.leaf.piece);
-    put_index(simd, hits, &mut packet.surface, base, target.piece.surface);
+    packet.hits.met |= hits << base;
+    packet.hits.needs_look &= !(hits << base);
+    packet.hits.needs_look |= (close & hit).to_bitmask() << base;
+    put_index(simd, hits, &mut packet.hits.leaf, base, target.index);
+    put_index(simd, hits, &mut packet.hits.piece, base, target.leaf.piece);
+    put_index(simd, hits, &mut packet.hits.surface, base, target.piece.surface);
     packet.shorten(simd, base, hits);
 }
 
@@ -191,7 +191,7 @@ impl<'a, S: Simd> PacketRays<'a, S> {
     /// magnitudes: the patch's, and that of the ray's origin.
     #[inline(always)]
     fn new(simd: S, packet: &'a Packet, base: usize, (factor, magnitude): (f64, f64)) -> Self {
-        let largest = eight(simd, &packet.magnitude, base).max(f64x8::splat(simd, magnitude));
+        let largest = eight(simd, &packet.rays.magnitude, base).max(f64x8::splat(simd, magnitude));
         Self { packet, base, error: f64x8::splat(simd, factor) * largest }
     }
 }
@@ -199,17 +199,17 @@ impl<'a, S: Simd> PacketRays<'a, S> {
 impl<S: Simd> Rays<S> for PacketRays<'_, S> {
     #[inline(always)]
     fn origin(&self, simd: S) -> [f64x8<S>; 3] {
-        load3d(simd, &self.packet.origin, self.base)
+        load3d(simd, &self.packet.rays.origin, self.base)
     }
 
     #[inline(always)]
     fn axis(&self, simd: S) -> [f64x8<S>; 3] {
-        load3d(simd, &self.packet.axis, self.base)
+        load3d(simd, &self.packet.rays.axis, self.base)
     }
 
     #[inline(always)]
     fn normals(&self, simd: S) -> [[f64x8<S>; 3]; 2] {
-        let [first, second] = &self.packet.normals;
+        let [first, second] = &self.packet.rays.normals;
         [load3d(simd, first, self.base), load3d(simd, second, self.base)]
     }
 
@@ -267,8 +267,8 @@ fn earlier<S: Simd>(
     }
     let mut earlier = 0;
     for k in 0..8 {
-        let first = !has(packet.met, base + k)
-            || comes_first(target.view.leaves, target.index, packet.leaf[base + k]);
+        let first = !has(packet.hits.met, base + k)
+            || comes_first(target.view.leaves, target.index, packet.hits.leaf[base + k]);
         earlier |= u64::from(first) << k;
     }
     tie & mask64x8::from_bitmask(simd, earlier)

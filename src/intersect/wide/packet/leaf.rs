@@ -37,7 +37,7 @@ pub(super) fn search_leaf<S: Simd, Q>(
     // The boxes of most leaves are missed by most rays, so the leaf's data are only touched when
     // they are needed.
     let Some(mut next) = next_group(simd, oriented, packet, &mut groups) else { return };
-    if !packet.planes_known {
+    if !packet.rays.planes_known {
         find_planes(simd, packet);
     }
     // Not an option that is filled in the loop: the target would be made elsewhere, and copied.
@@ -55,7 +55,7 @@ pub(super) fn search_leaf<S: Simd, Q>(
         next = group;
     }
     if found {
-        packet.farthest = farthest(simd, packet);
+        packet.scaled.farthest = farthest(simd, packet);
     }
 }
 
@@ -98,12 +98,12 @@ fn search_group<S: Simd, Q>(
     work.statistics.leaf_tests += u64::from(met.count_ones());
 
     // The certificate, lane by lane.
-    let magnitude = f32x16::from_slice(simd, &packet.magnitude_f[base..base + LANES])
+    let magnitude = f32x16::from_slice(simd, &packet.scaled.magnitude[base..base + LANES])
         .max(f32x16::splat(simd, rounding::f32_above(patch.magnitude())));
     let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));
     let mut certain = met & lane_bits(certified);
     let mut doubted = met & !certain;
-    if packet.from_roots {
+    if packet.starts.exist {
         certain &= !start_here(simd, target, (&*packet, base), certain);
         if doubted != 0 {
             doubted &= !packet.departs_from(simd, base, target, (magnitude, factor));

@@ -31,22 +31,22 @@ pub(in crate::intersect::wide) fn load<S: Simd, Q: Shot>(
         let high = frames(simd, packet, shots, base + 8);
         narrow(simd, packet, base, (&low, &high), scaled);
     }
-    packet.scale = scaled.scale;
+    packet.scaled.scale = scaled.scale;
     // Idle lanes end before they begin.
-    packet.z[packet.count..].fill(f64::NEG_INFINITY);
-    packet.far_f[packet.count..].fill(f32::NEG_INFINITY);
+    packet.hits.z[packet.count..].fill(f64::NEG_INFINITY);
+    packet.scaled.far[packet.count..].fill(f32::NEG_INFINITY);
     let far_off = beyond(simd, packet, view.reach_of_f32);
     if far_off != 0 {
         for k in set_bits(far_off) {
-            packet.z[k] = f64::NEG_INFINITY;
+            packet.hits.z[k] = f64::NEG_INFINITY;
         }
         packet.far_off = far_off & (u64::MAX >> (PACKET - packet.count));
         leave_out(packet, far_off);
     }
-    packet.planes_known = false;
+    packet.rays.planes_known = false;
     packet.start_on_roots(shots);
-    packet.bounds = bounds(simd, packet, 0..PACKET);
-    packet.farthest = farthest(simd, packet);
+    packet.scaled.bounds = bounds(simd, packet, 0..PACKET);
+    packet.scaled.farthest = farthest(simd, packet);
 }
 
 /// Converts the rays of a packet, up to their nearest hits, to other scaled coordinates.
@@ -58,22 +58,22 @@ pub(super) fn change_to<S: Simd>(simd: S, packet: &mut Packet, scaled: &ScaledFr
             let eight = base..base + 8;
             let of = |lanes: &[f64; PACKET]| f64x8::from_slice(simd, &lanes[eight.clone()]);
             Frames {
-                origin: load3d(simd, &packet.origin, base),
-                axis: load3d(simd, &packet.axis, base),
-                t_from_z: of(&packet.t_from_z),
-                ends: [of(&packet.z_min), of(&packet.z)],
-                magnitude: of(&packet.magnitude),
+                origin: load3d(simd, &packet.rays.origin, base),
+                axis: load3d(simd, &packet.rays.axis, base),
+                t_from_z: of(&packet.rays.t_from_z),
+                ends: [of(&packet.rays.z_min), of(&packet.hits.z)],
+                magnitude: of(&packet.rays.magnitude),
             }
         });
         narrow(simd, packet, base, (&halves[0], &halves[1]), scaled);
     }
-    packet.scale = scaled.scale;
+    packet.scaled.scale = scaled.scale;
     let far_off = beyond(simd, packet, reach);
     if far_off != 0 {
         leave_out(packet, far_off);
     }
-    packet.bounds = bounds(simd, packet, 0..PACKET);
-    packet.farthest = farthest(simd, packet);
+    packet.scaled.bounds = bounds(simd, packet, 0..PACKET);
+    packet.scaled.farthest = farthest(simd, packet);
 }
 
 /// The lanes, including idle ones, whose rays come from too far away.
@@ -82,7 +82,7 @@ fn beyond<S: Simd>(simd: S, packet: &Packet, reach_of_f32: f64) -> u64 {
     let reach = f64x8::splat(simd, reach_of_f32);
     let mut far_off = 0;
     for base in (0..PACKET).step_by(8) {
-        let magnitude = f64x8::from_slice(simd, &packet.magnitude[base..base + 8]);
+        let magnitude = f64x8::from_slice(simd, &packet.rays.magnitude[base..base + 8]);
         far_off |= magnitude.simd_gt(reach).to_bitmask() << base;
     }
     far_off
@@ -93,11 +93,11 @@ fn beyond<S: Simd>(simd: S, packet: &Packet, reach_of_f32: f64) -> u64 {
 fn leave_out(packet: &mut Packet, far_off: u64) {
     let other = (!far_off).trailing_zeros() as usize % PACKET;
     for k in set_bits(far_off) {
-        packet.far_f[k] = f32::NEG_INFINITY;
-        packet.near_f[k] = packet.near_f[other];
+        packet.scaled.far[k] = f32::NEG_INFINITY;
+        packet.scaled.near[k] = packet.scaled.near[other];
         for i in 0..3 {
-            packet.origin_f[i][k] = packet.origin_f[i][other];
-            packet.axis_f[i][k] = packet.axis_f[i][other];
+            packet.scaled.origin[i][k] = packet.scaled.origin[i][other];
+            packet.scaled.axis[i][k] = packet.scaled.axis[i][other];
         }
     }
 }
@@ -108,14 +108,14 @@ fn frames<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], base: usi
     let frames = Frames::of(simd, shots, base);
     let Frames { origin, axis, t_from_z, ends, magnitude } = frames;
     for i in 0..3 {
-        store(simd, &mut packet.origin[i], base, origin[i]);
-        store(simd, &mut packet.axis[i], base, axis[i]);
+        store(simd, &mut packet.rays.origin[i], base, origin[i]);
+        store(simd, &mut packet.rays.axis[i], base, axis[i]);
     }
-    store(simd, &mut packet.t_from_z, base, t_from_z);
-    store(simd, &mut packet.z_min, base, ends[0]);
-    store(simd, &mut packet.z, base, ends[1]);
-    store(simd, &mut packet.z_max, base, ends[1]);
-    store(simd, &mut packet.magnitude, base, magnitude);
+    store(simd, &mut packet.rays.t_from_z, base, t_from_z);
+    store(simd, &mut packet.rays.z_min, base, ends[0]);
+    store(simd, &mut packet.hits.z, base, ends[1]);
+    store(simd, &mut packet.rays.z_max, base, ends[1]);
+    store(simd, &mut packet.rays.magnitude, base, magnitude);
     frames
 }
 
@@ -127,7 +127,7 @@ pub(in crate::intersect::wide) fn find_planes<S: Simd>(simd: S, packet: &mut Pac
     for base in (0..PACKET).step_by(LANES) {
         let mut normals = [[[one; 2]; 3]; 2];
         for half in 0..2 {
-            let axis = load3d(simd, &packet.axis, base + 8 * half);
+            let axis = load3d(simd, &packet.rays.axis, base + 8 * half);
             let [first, second] = perpendicular(simd, axis);
             for i in 0..3 {
                 (normals[0][i][half], normals[1][i][half]) = (first[i], second[i]);
@@ -136,13 +136,13 @@ pub(in crate::intersect::wide) fn find_planes<S: Simd>(simd: S, packet: &mut Pac
         for k in 0..2 {
             for i in 0..3 {
                 let [low, high] = normals[k][i];
-                store(simd, &mut packet.normals[k][i], base, low);
-                store(simd, &mut packet.normals[k][i], base + 8, high);
-                store_f(simd, &mut packet.normals_f[k][i], base, (low, high));
+                store(simd, &mut packet.rays.normals[k][i], base, low);
+                store(simd, &mut packet.rays.normals[k][i], base + 8, high);
+                store_f(simd, &mut packet.scaled.normals[k][i], base, (low, high));
             }
         }
     }
-    packet.planes_known = true;
+    packet.rays.planes_known = true;
 }
 
 #[simd]
@@ -162,15 +162,15 @@ fn narrow<S: Simd>(
     let narrow = Narrow::new(simd, low, high, scaled);
     let sixteen = base..base + LANES;
     for half in 0..2 {
-        store(simd, &mut packet.shift, base + 8 * half, narrow.shift[half]);
+        store(simd, &mut packet.scaled.shift, base + 8 * half, narrow.shift[half]);
     }
     for i in 0..3 {
-        narrow.origin[i].store_slice(&mut packet.origin_f[i][sixteen.clone()]);
-        narrow.axis[i].store_slice(&mut packet.axis_f[i][sixteen.clone()]);
+        narrow.origin[i].store_slice(&mut packet.scaled.origin[i][sixteen.clone()]);
+        narrow.axis[i].store_slice(&mut packet.scaled.axis[i][sixteen.clone()]);
     }
-    narrow.ends[0].store_slice(&mut packet.near_f[sixteen.clone()]);
-    narrow.ends[1].store_slice(&mut packet.far_f[sixteen.clone()]);
-    narrow.magnitude.store_slice(&mut packet.magnitude_f[sixteen]);
+    narrow.ends[0].store_slice(&mut packet.scaled.near[sixteen.clone()]);
+    narrow.ends[1].store_slice(&mut packet.scaled.far[sixteen.clone()]);
+    narrow.magnitude.store_slice(&mut packet.scaled.magnitude[sixteen]);
 }
 
 /// Stores sixteen numbers as f32.
@@ -188,18 +188,19 @@ fn store_f<S: Simd>(
 #[inline(always)] // a returned result would be copied, which stalls
 pub(super) fn bounds<S: Simd>(simd: S, packet: &Packet, lanes: Range<usize>) -> PacketBounds {
     let mut bounds = PacketBounds::default();
-    let mut axis = load3(simd, &packet.axis_f, lanes.start);
-    let mut origin = load3(simd, &packet.origin_f, lanes.start);
+    let mut axis = load3(simd, &packet.scaled.axis, lanes.start);
+    let mut origin = load3(simd, &packet.scaled.origin, lanes.start);
     let (mut axis_max, mut origin_max) = (axis, origin);
-    let mut nearest = f32x16::from_slice(simd, &packet.near_f[lanes.start..lanes.start + LANES]);
+    let mut nearest =
+        f32x16::from_slice(simd, &packet.scaled.near[lanes.start..lanes.start + LANES]);
     for base in lanes.step_by(LANES).skip(1) {
-        let a = load3(simd, &packet.axis_f, base);
-        let o = load3(simd, &packet.origin_f, base);
+        let a = load3(simd, &packet.scaled.axis, base);
+        let o = load3(simd, &packet.scaled.origin, base);
         for i in 0..3 {
             (axis[i], axis_max[i]) = (axis[i].min(a[i]), axis_max[i].max(a[i]));
             (origin[i], origin_max[i]) = (origin[i].min(o[i]), origin_max[i].max(o[i]));
         }
-        nearest = nearest.min(f32x16::from_slice(simd, &packet.near_f[base..base + LANES]));
+        nearest = nearest.min(f32x16::from_slice(simd, &packet.scaled.near[base..base + LANES]));
     }
     bounds.nearest = nearest.reduce_min();
     for i in 0..3 {
@@ -213,9 +214,9 @@ pub(super) fn bounds<S: Simd>(simd: S, packet: &Packet, lanes: Range<usize>) -> 
 /// The largest end of the rays that still look for hits.
 #[simd]
 pub(super) fn farthest<S: Simd>(simd: S, packet: &Packet) -> f32 {
-    let mut most = f32x16::from_slice(simd, &packet.far_f[..LANES]);
+    let mut most = f32x16::from_slice(simd, &packet.scaled.far[..LANES]);
     for base in (LANES..PACKET).step_by(LANES) {
-        most = most.max(f32x16::from_slice(simd, &packet.far_f[base..base + LANES]));
+        most = most.max(f32x16::from_slice(simd, &packet.scaled.far[base..base + LANES]));
     }
     most.reduce_max()
 }

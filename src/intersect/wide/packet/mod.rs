@@ -2,21 +2,23 @@
 //!
 //! In reading order: `read_ahead` brings rays into the caches in time. `outline` sees from bounds
 //! shared by rays that most packets of a background meet nothing; `load` puts the others into the
-//! lanes of a packet (`rays`). `traverse` takes it through the tree: sixteen boxes are tested at
-//! once against all its rays or, where these have little in common, sixteen of its rays against a
-//! box (`apart`). `leaf` searches a leaf (`target`) for sixteen rays at a time. Those that meet its
-//! box, and for which its certificate holds (`box_crossing`), get a start in f32 and, eight at a
-//! time, an end in f64 (`finish`). Those for which it does not hold are put aside until there are
-//! sixteen (`doubts`).
+//! lanes of a packet (`rays`, with `starts` and `hits`). `traverse` takes it through the tree:
+//! sixteen boxes are tested at once against all its rays or, where these have little in common,
+//! sixteen of its rays against a box (`apart`). `leaf` searches a leaf (`target`) for sixteen rays
+//! at a time. Those that meet its box, and for which its certificate holds (`box_crossing`), get a
+//! start in f32 and, eight at a time, an end in f64 (`finish`). Those for which it does not hold
+//! are put aside until there are sixteen (`doubts`).
 
 mod apart;
 pub(super) mod box_crossing;
 mod doubts;
 mod finish;
+pub(super) mod hits;
 mod leaf;
 pub(super) mod load;
 mod outline;
 pub(super) mod rays;
 pub(super) mod read_ahead;
+mod starts;
 pub(super) mod target;
 pub(super) mod traverse;

@@ -85,7 +85,7 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     work.stack.clear();
     work.stack.extend(tree.root().map(|root| (f32::NEG_INFINITY, root, ALL)));
     while let Some((entry, code, rays)) = work.stack.pop() {
-        if entry > packet.farthest {
+        if entry > packet.scaled.farthest {
             continue;
         }
         ahead.ask(Moment::Box);
@@ -97,7 +97,8 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
             Child::Node(index) => {
                 work.statistics.nodes += 1;
                 let node = &tree.nodes[index as usize];
-                let (entries, met) = enter(simd, node, &packet.bounds, packet.farthest);
+                let (entries, met) =
+                    enter(simd, node, &packet.scaled.bounds, packet.scaled.farthest);
                 let meeting = work.apart.meeting(simd, packet, (node, met), rays);
                 let kept = (0..LANES).map(|k| u32::from(meeting[k] != 0) << k).sum::<u32>();
                 let visit = |k: usize| (entries[k], node.child[k], meeting[k]);
@@ -275,7 +276,7 @@ fn search_block<S: Simd, Q>(
 ) {
     let block = &view.tree.blocks[index as usize];
     let leaves = view.tree.leaves(index);
-    let (entries, met) = enter_block(simd, block, &packet.bounds, packet.farthest);
+    let (entries, met) = enter_block(simd, block, &packet.scaled.bounds, packet.scaled.farthest);
     let apart = work.apart.leaves(simd, (block, leaves.of(met)), packet, rays);
     let two = apart | apart >> 32;
     let mut met = (two | two >> 16) as u32 & 0xffff;
@@ -283,7 +284,7 @@ fn search_block<S: Simd, Q>(
     while met != 0 {
         let nearest = first_entered(&entries, met);
         met &= !(1 << nearest);
-        if entries[nearest] > packet.farthest {
+        if entries[nearest] > packet.scaled.farthest {
             return;
         }
         let oriented = block.oriented(nearest);

@@ -84,7 +84,10 @@ pub(in crate::intersect::wide) fn screen<S: Simd>(
     }
     let screen = Screen {
         target,
-        normals: [load3(simd, &packet.normals_f[0], base), load3(simd, &packet.normals_f[1], base)],
+        normals: [
+            load3(simd, &packet.scaled.normals[0], base),
+            load3(simd, &packet.scaled.normals[1], base),
+        ],
         upright: upright(simd, target.leaf, crossing.slopes),
         terms: distances.terms(simd, sizes(simd, target.fitted()), packet, base),
         error: error * splat(simd, target.fitted().heaviest()),
@@ -222,7 +225,7 @@ mod tests {
         let view = bvh.view();
         let oriented = view.tree.oriented(index);
         let target = Target::new(&view, &oriented, index);
-        let mut packet = Packet::new();
+        let mut packet = Packet::default();
         packet.ask(Wanted::Any);
         dispatch!(Level::new(), simd => {
             load(simd, &mut packet, queries, &view);

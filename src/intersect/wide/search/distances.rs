@@ -65,8 +65,10 @@ impl LaneDistances {
         base: usize,
     ) {
         let middle = middle_distances(simd, leaf, packet, base);
-        let normals =
-            [load3(simd, &packet.normals_f[0], base), load3(simd, &packet.normals_f[1], base)];
+        let normals = [
+            load3(simd, &packet.scaled.normals[0], base),
+            load3(simd, &packet.scaled.normals[1], base),
+        ];
         let [x, y, z] = leaf.fit();
         for m in 0..16 {
             let (x, y, z) =
@@ -110,7 +112,7 @@ impl LaneDistances {
     ) -> f32x16<S> {
         let mut terms = f32x16::splat(simd, 0.0);
         for k in 0..2 {
-            let n = load3(simd, &packet.normals_f[k], base);
+            let n = load3(simd, &packet.scaled.normals[k], base);
             let middle = f32x16::from_slice(simd, &self.of[k][0]).abs();
             let mut sum = middle * f32x16::splat(simd, sizes[3]);
             for axis in 0..3 {
@@ -241,14 +243,14 @@ fn middle_distances<S: Simd>(simd: S, leaf: &Leaf, packet: &Packet, base: usize)
 
 #[simd]
 fn half_distances<S: Simd>(simd: S, leaf: &Leaf, packet: &Packet, base: usize) -> [f64x8<S>; 2] {
-    let origin = load3d(simd, &packet.origin, base);
+    let origin = load3d(simd, &packet.rays.origin, base);
     let offset = [
         f64x8::splat(simd, leaf.middle.x) - origin[0],
         f64x8::splat(simd, leaf.middle.y) - origin[1],
         f64x8::splat(simd, leaf.middle.z) - origin[2],
     ];
-    let n1 = load3d(simd, &packet.normals[0], base);
-    let n2 = load3d(simd, &packet.normals[1], base);
+    let n1 = load3d(simd, &packet.rays.normals[0], base);
+    let n2 = load3d(simd, &packet.rays.normals[1], base);
     [dot_d(n1, offset), dot_d(n2, offset)]
 }
 
