@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 
 use crate::math::Ray;
 use crate::math::bits::has;
+use crate::patch::{PatchSet, SetId};
 
 /// One meeting of a ray and a surface, in f64.
 ///
@@ -37,8 +38,10 @@ pub struct Hit {
 }
 
 /// A root a secondary ray may leave: opaque to the caller, taken from [`Hit::root`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Root {
+    /// The surfaces it was found on.
+    pub(crate) set: SetId,
     /// The Bézier piece it was found on.
     pub(crate) piece: u32,
     /// The part of `error` that is across the surface: the cosine of the angle between ray and
@@ -48,6 +51,14 @@ pub struct Root {
     pub(crate) st: DVec2,
     /// How far along the ray the true root may be from the surface's point at `st`, in scene units.
     pub(crate) error: f64,
+}
+
+/// Roots are equal if all of their numbers are, in whatever hierarchy they were found.
+impl PartialEq for Root {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { set: _, piece, cosine, st, error } = *self;
+        (piece, cosine, st, error) == (other.piece, other.cosine, other.st, other.error)
+    }
 }
 
 impl Root {
@@ -171,8 +182,11 @@ impl Query {
     /// The ray should start at [`Hit::point`], or as near as `o + t d` comes to it. A ray that
     /// starts elsewhere, for instance because its origin was moved along the normal to be on the
     /// safe side, does not leave the hit: it is traced like any other ray, and
-    /// [`start_root`](Self::start_root) is `None`. The hit must be unchanged, and of the surfaces
-    /// that are queried: only its point and normal are checked.
+    /// [`start_root`](Self::start_root) is `None`. The hit must be unchanged: only its point and
+    /// normal are checked.
+    ///
+    /// To other hierarchies than the one that found the hit, if only built again of the same
+    /// surfaces, the ray is like any other, as it starts on none of their surfaces.
     ///
     /// A plain ray from [`Hit::point`], or [`Query::primary`], is no substitute. Rounding decides
     /// on which side of the surface it starts: many such answers are doubtful, and some report the
@@ -221,6 +235,17 @@ pub trait Shot: sealed::Sealed {
         Query { ray: *self.ray(), from: self.start_root().copied() }
     }
 }
+
+/// The root of these surfaces that a ray starts on: a root of other surfaces is none.
+pub(in crate::intersect) trait StartIn: Shot {
+    /// See [`StartIn`].
+    #[inline(always)]
+    fn start_in(&self, set: &PatchSet) -> Option<&Root> {
+        self.start_root().filter(|root| root.set == set.id())
+    }
+}
+
+impl<Q: Shot> StartIn for Q {}
 
 impl Shot for Ray {
     fn ray(&self) -> &Ray {
@@ -273,6 +298,8 @@ pub struct Occlusion {
 
 #[cfg(test)]
 mod tests {
+    use glam::DAffine3;
+
     use super::*;
     use crate::geometry::shapes;
     use crate::intersect::{Coherence, Kernel, SurfaceBvh};
@@ -335,8 +362,56 @@ mod tests {
     }
 
     #[test]
+    fn roots_tell_their_surfaces_in_no_more_memory() {
+        assert_eq!(size_of::<Option<Root>>(), size_of::<Root>());
+        assert_eq!(size_of::<Answer>(), 128);
+    }
+
+    #[test]
+    fn a_hit_of_another_hierarchy_is_none_to_leave() {
+        // A wall, and another behind it in a hierarchy of its own.
+        let wall = || shapes::plane(2.0, 2.0).unwrap();
+        let behind = wall().transformed(&DAffine3::from_translation(DVec3::Z)).unwrap();
+        let [first, second] = [wall(), behind].map(|one| SurfaceBvh::build(&[one]).unwrap());
+        let again = SurfaceBvh::build(&[wall()]).unwrap();
+        for kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            let mut near = first.tracer_with(*kernel);
+            let ray = |k: i32| {
+                let at = DVec3::new(0.01 * f64::from(k) - 0.9, 0.3, -1.0);
+                Ray::new(at, DVec3::new(0.1, 0.2, 1.0)).unwrap()
+            };
+            let hits: Vec<Hit> = (0..150).map(|k| near.first_hit(&ray(k)).hit.unwrap()).collect();
+            let onwards: Vec<Query> = hits
+                .iter()
+                .map(|hit| Query::leaving(Ray::new(hit.point, DVec3::Z).unwrap(), hit))
+                .collect();
+            assert!(onwards.iter().all(|query| query.start_root().is_some()));
+            for (bvh, is_met) in [(&first, false), (&first.clone(), false), (&second, true)] {
+                let mut tracer = bvh.tracer_with(*kernel);
+                let (mut answers, mut occlusions, mut all) = Default::default();
+                for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+                    tracer.first_hits(&onwards, coherence, &mut answers);
+                    tracer.occlusions(&onwards, coherence, &mut occlusions);
+                    for (k, query) in onwards.iter().enumerate() {
+                        let doubtful = tracer.all_hits(query, &mut all);
+                        assert_eq!((all.len(), doubtful), (usize::from(is_met), false));
+                        assert_eq!(answers[k].hit.is_some(), is_met, "{kernel} {coherence:?}");
+                        assert_eq!(occlusions[k], Occlusion { occluded: is_met, doubtful: false });
+                    }
+                }
+            }
+            // To the same surfaces built again, a ray through the wall starts beside it.
+            let back = Ray::with_range(hits[9].point, DVec3::Z, -1.0, 1.0).unwrap();
+            let query = Query::leaving(back, &hits[9]);
+            assert!(near.first_hit(&query).hit.is_none());
+            assert!(again.tracer_with(*kernel).first_hit(&query).hit.is_some());
+        }
+    }
+
+    #[test]
     fn a_hit_without_a_normal_equals_nothing() {
-        let root = Root { piece: 0, cosine: 1.0, st: DVec2::ZERO, error: 0.0 };
+        let set = SetId::unique();
+        let root = Root { set, piece: 0, cosine: 1.0, st: DVec2::ZERO, error: 0.0 };
         let hit = Hit {
             t: 1.0,
             surface: 0,
@@ -350,6 +425,7 @@ mod tests {
         assert_eq!(answer(hit), answer(hit));
         assert_ne!(answer(hit), answer(Hit { t: 2.0, ..hit }));
         assert_ne!(hit, Hit { root: Root { piece: 1, ..root }, ..hit });
+        assert_eq!(hit, Hit { root: Root { set: SetId::unique(), ..root }, ..hit });
         let pole = Hit { normal: DVec3::NAN, flags: HitFlags::NO_NORMAL, ..hit };
         assert_ne!(answer(pole), answer(pole));
         assert_eq!(Answer::default(), Answer::default());

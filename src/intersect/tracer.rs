@@ -346,7 +346,8 @@ fn hit(set: &PatchSet, meeting: &Meeting) -> Hit {
     // A doubtful meeting may be off along the ray by more than its angle implies.
     let least = if meeting.is_certain() { 0.0 } else { AROUND * meeting.error / meeting.z_error };
     let cosine = Root::kept_cosine(meeting.cosine.abs().max(least).min(1.0));
-    let root = Root { piece: meeting.piece, cosine, st: meeting.st, error: meeting.z_error };
+    let Meeting { piece: index, st, z_error: error, .. } = *meeting;
+    let root = Root { set: set.id(), piece: index, cosine, st, error };
     Hit {
         t: meeting.t,
         surface: meeting.surface,

@@ -79,6 +79,7 @@ pub use piece::Piece;
 pub(crate) use piece_net::{LONGEST, LONGEST_OF_CUBIC, NetRoom, NetSource, PieceNet, SplineNet};
 pub(crate) use powers::{MOST_DEGREE as MOST_DEGREE_BY_POWERS, ToPowers};
 pub(crate) use rect::DyadicRect;
+pub(crate) use set::SetId;
 pub use set::{BuildError, PatchSet};
 pub use tensor::{Jet, TensorPatch};
 pub(crate) use tiles::GroupedParts;

@@ -1,8 +1,10 @@
 //! All pieces and leaves of a list of surfaces.
 
 use std::fmt;
+use std::num::NonZeroU32;
 use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use rayon::prelude::*;
 use thiserror::Error;
@@ -39,10 +41,26 @@ const MOST_COUNTED: usize = u32::MAX as usize / 4;
 /// megabytes may ask for more memory than there is; the program would then end without a message.
 const MOST_BEZIER_POINTS: usize = 1 << 27;
 
+/// Tells the pieces of one set from those of others: hits may outlive the set they were found in, or
+/// be mistaken for hits of another. Copies of a set are that set.
+///
+/// Not zero, so that an absent root takes no more memory than a present one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SetId(NonZeroU32);
+
+impl SetId {
+    /// One that no other set has, unless there were 2³² sets in between.
+    pub(crate) fn unique() -> Self {
+        static NEXT: AtomicU32 = AtomicU32::new(1);
+        Self(NonZeroU32::new(NEXT.fetch_add(1, Ordering::Relaxed)).unwrap_or(NonZeroU32::MAX))
+    }
+}
+
 /// Surfaces cut into Bézier pieces, in the order of the surfaces, whatever the number of
 /// threads.
 #[derive(Clone)]
 pub struct PatchSet {
+    id: SetId,
     pieces: Vec<Piece>,
     /// A box that holds every surface, except for rounding.
     bounds: Aabb,
@@ -107,7 +125,13 @@ impl PatchSet {
         let parts = parts(&pieces, &grids);
         check_count("leaves", parts.all().len(), MOST_COUNTED)?;
         let bounds = parts.bounds();
-        Ok((Self { pieces, bounds, net_bytes, pieces_of }, parts))
+        let id = SetId::unique();
+        Ok((Self { id, pieces, bounds, net_bytes, pieces_of }, parts))
+    }
+
+    /// What tells this set from others.
+    pub(crate) fn id(&self) -> SetId {
+        self.id
     }
 
     /// The pieces, surface by surface.

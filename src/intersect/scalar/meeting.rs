@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use crate::geometry::trim::Side;
 use crate::intersect::crossings::borders::{at_border, error_bound, trim_reach};
 use crate::intersect::exact::{ExactSolver, Solution};
+use crate::intersect::hit::StartIn;
 use crate::intersect::{HitFlags, Occlusion, Query, Root, Statistics};
 use crate::math::RayFrame;
 use crate::patch::{Jet, Leaf, OrientedBox, Passage, PatchSet, Piece, ScaledFrame};
@@ -127,7 +128,7 @@ impl<'a> Question<'a> {
         ray: &'a RayFrame,
     ) -> Self {
         let t_range = [query.ray.t_min(), query.ray.t_max()];
-        Self { set, ray, t_range, from: query.from.as_ref(), all_hits: false }
+        Self { set, ray, t_range, from: query.start_in(set), all_hits: false }
     }
 }
 
@@ -159,8 +160,7 @@ impl<'a> Question<'a> {
     /// The root the ray starts on, and its piece, if it lies on that surface.
     pub(super) fn start_on(&self, surface: u32) -> Option<(&'a Root, &'a Piece)> {
         let root = self.from?;
-        // For a root of other surfaces, the piece's number may be out of range.
-        let piece = self.set.pieces().get(root.piece as usize)?;
+        let piece = &self.set.pieces()[root.piece as usize];
         (piece.surface == surface).then_some((root, piece))
     }
 
@@ -169,7 +169,7 @@ impl<'a> Question<'a> {
     /// `N · d`, as in [`crossings`](crate::intersect::crossings).
     pub(super) fn starts_on_edge_at(&self, point: DVec3, cosine: f64, z_error: f64) -> bool {
         let Some(root) = self.from else { return false };
-        let Some(piece) = self.set.pieces().get(root.piece as usize) else { return false };
+        let piece = &self.set.pieces()[root.piece as usize];
         let jet = piece.patch.jet(root.st);
         let near = point.distance(jet.point) <= 2.0 * (z_error + root.error);
         let edge = || {

@@ -146,7 +146,8 @@ impl Tracer<'_> {
             return;
         }
         let first = answers.len();
-        answers.extend((0..shots.len()).map(|k| packet.plain_answer(k)));
+        let set = self.bvh.set.id();
+        answers.extend((0..shots.len()).map(|k| packet.plain_answer(k, set)));
         for k in set_bits(looked_at) {
             answers[first + k] = self.judged_answer(shots[k].ray(), k);
         }

@@ -6,12 +6,13 @@ use glam::{DVec2, DVec3};
 
 use super::answer_of;
 use crate::intersect::crossings::borders::{at_border, error_bound};
+use crate::intersect::hit::StartIn;
 use crate::intersect::scalar::leaf_search;
 use crate::intersect::scalar::meeting::{CertainHit, Meeting, Question};
 use crate::intersect::wide::{BvhView, SingleHit, SingleRay, Wanted, trace_single};
 use crate::intersect::{Answer, Hit, HitFlags, Occlusion, Query, Root, Shot, Tracer};
 use crate::math::{Ray, RayFrame};
-use crate::patch::{Jet, Leaf, OrientedBox, Passage, Piece};
+use crate::patch::{Jet, Leaf, OrientedBox, Passage, Piece, SetId};
 
 impl Tracer<'_> {
     /// The first hit of one ray.
@@ -34,7 +35,7 @@ impl Tracer<'_> {
     /// Puts the meetings of one ray with all leaves it may meet into the findings; returns the
     /// ray's unit direction.
     pub(super) fn single_all(&mut self, level: Level, query: &Query) -> DVec3 {
-        let ray = (&query.ray, query.from.as_ref());
+        let ray = (&query.ray, query.start_in(&self.bvh.set));
         let frame = dispatch!(level, simd => search(simd, self, ray, Wanted::All));
         self.search_undecided_of_single((query, &frame), frame.z_range[1], Wanted::All);
         frame.axis
@@ -128,7 +129,7 @@ impl Tracer<'_> {
 
 #[simd]
 fn first_hit<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shot: &Q) -> Answer {
-    let frame = search(simd, tracer, (shot.ray(), shot.start_root()), Wanted::First);
+    let frame = search(simd, tracer, (shot.ray(), shot.start_in(&tracer.bvh.set)), Wanted::First);
     if !tracer.single.undecided.is_empty() {
         return tracer.with_scalar_search(&shot.query(), &frame);
     }
@@ -156,7 +157,7 @@ fn any_hit<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shot: &Q) -> Occl
     }
     // Unlike for first hits, nobody asks first whether the ray passes beside everything: most of
     // these rays start on a surface.
-    let frame = search(simd, tracer, (shot.ray(), shot.start_root()), Wanted::Any);
+    let frame = search(simd, tracer, (shot.ray(), shot.start_in(&tracer.bvh.set)), Wanted::Any);
     if tracer.single.hit().is_some() {
         return Occlusion { occluded: true, doubtful: false };
     }
@@ -185,6 +186,7 @@ fn search<S: Simd>(
 
 /// A certified hit with its piece, normal and flags.
 pub(super) struct Certain<'a> {
+    set: SetId,
     piece: &'a Piece,
     index: u32,
     hit: &'a SingleHit,
@@ -214,7 +216,7 @@ impl<'a> Certain<'a> {
         if !normal.is_finite() {
             flags.insert(HitFlags::NO_NORMAL);
         }
-        Self { piece, index, hit, normal, flags }
+        Self { set: view.set.id(), piece, index, hit, normal, flags }
     }
 
     /// The hit as an answer.
@@ -230,7 +232,7 @@ impl<'a> Certain<'a> {
         // 0 without a normal: `max` of NaN and a number is the number.
         let cosine = (self.normal.dot(ray.direction()) * t_from_z).abs().max(0.0);
         let cosine = Root::kept_cosine(cosine);
-        let root = Root { piece: self.index, cosine, st, error: z_error };
+        let root = Root { set: self.set, piece: self.index, cosine, st, error: z_error };
         let (surface, uv) = (self.piece.surface, self.piece.uv(st));
         let (normal, flags) = (self.normal, self.flags);
         let hit = Some(Hit { t, surface, uv, point, normal, flags, root });

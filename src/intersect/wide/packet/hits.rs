@@ -7,6 +7,7 @@ use crate::intersect::wide::PACKET;
 use crate::intersect::wide::vectors::Lanes3;
 use crate::intersect::{Answer, Hit, HitFlags, Root};
 use crate::math::bits::has;
+use crate::patch::SetId;
 
 /// The nearest hit so far of each ray of a packet.
 #[derive(Clone, Debug)]
@@ -86,9 +87,9 @@ impl Packet {
         self.hits.z[k]
     }
 
-    /// The answer to a ray whose nearest hit needs no closer look.
+    /// The answer to a ray whose nearest hit, on the surfaces of `set`, needs no closer look.
     #[inline]
-    pub(in crate::intersect) fn plain_answer(&self, k: usize) -> Answer {
+    pub(in crate::intersect) fn plain_answer(&self, k: usize, set: SetId) -> Answer {
         let hits = &self.hits;
         if !has(hits.met, k) {
             return Answer::default();
@@ -96,7 +97,7 @@ impl Packet {
         let normal = gather(&hits.normal, k);
         let cosine = Root::kept_cosine(normal.dot(gather(&self.rays.axis, k)));
         let (piece, st, error) = (hits.piece[k], pair(&hits.st, k), hits.z_error[k]);
-        let root = Root { piece, cosine, st, error };
+        let root = Root { set, piece, cosine, st, error };
         let hit = Hit {
             t: hits.t[k],
             surface: hits.surface[k],

@@ -44,7 +44,7 @@ pub(in crate::intersect::wide) fn load<S: Simd, Q: Shot>(
         leave_out(packet, far_off);
     }
     packet.rays.planes_known = false;
-    packet.start_on_roots(shots);
+    packet.start_on_roots(shots, view.set);
     packet.scaled.bounds = bounds(simd, packet, 0..PACKET);
     packet.scaled.farthest = farthest(simd, packet);
 }

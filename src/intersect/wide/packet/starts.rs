@@ -7,11 +7,13 @@ use super::hits::{gather, pair};
 use super::rays::Packet;
 use super::target::Target;
 use crate::intersect::Shot;
+use crate::intersect::hit::StartIn;
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::PACKET;
 use crate::intersect::wide::proof::departure::{Departure, Final, MAY_START};
 use crate::intersect::wide::vectors::load3;
 use crate::math::bits::set_bits;
+use crate::patch::PatchSet;
 
 /// The roots that the rays of a packet start on.
 #[derive(Clone, Debug)]
@@ -40,15 +42,15 @@ impl Default for Starts {
 
 impl Packet {
     /// Takes in the roots that rays start on.
-    pub(super) fn start_on_roots<Q: Shot>(&mut self, shots: &[Q]) {
-        self.starts.exist = shots.iter().any(|shot| shot.start_root().is_some());
+    pub(super) fn start_on_roots<Q: Shot>(&mut self, shots: &[Q], set: &PatchSet) {
+        self.starts.exist = shots.iter().any(|shot| shot.start_in(set).is_some());
         if !self.starts.exist {
             return;
         }
         self.starts.piece = [u32::MAX; PACKET];
         self.starts.error = [0.0; PACKET];
         for (k, shot) in shots.iter().enumerate() {
-            if let Some(root) = shot.start_root() {
+            if let Some(root) = shot.start_in(set) {
                 self.starts.piece[k] = root.piece;
                 (self.starts.st[0][k], self.starts.st[1][k]) = (root.st.x, root.st.y);
                 self.starts.error[k] = root.error;

@@ -278,7 +278,7 @@ mod tests {
             .is_final(simd, fitted)
         });
 
-        let root = Root { piece: leaf.piece, cosine: 1.0, st, error: 1e-14 };
+        let root = Root { set: bvh.set.id(), piece: leaf.piece, cosine: 1.0, st, error: 1e-14 };
         let ray = Ray::new(jet.point, direction).unwrap();
         let mut hits: Vec<Hit> = Vec::new();
         let _ = bvh.tracer().exact_all_hits(&Query { ray, from: Some(root) }, &mut hits);

@@ -8,6 +8,7 @@ use fearless_simd_macros::simd;
 use glam::DVec2;
 
 use crate::intersect::Shot;
+use crate::intersect::hit::StartIn;
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::frames::{Frames, perpendicular, transposed};
 use crate::intersect::wide::proof::bounds::{DISTANCE_ROUNDING, LARGEST, WIDENED};
@@ -125,7 +126,7 @@ impl PairLanes {
         }
         for lane in 0..LANES {
             let pair = pairs.get(lane).unwrap_or(first);
-            let from = shots[pair.ray as usize].start_root();
+            let from = shots[pair.ray as usize].start_in(view.set);
             self.take(lane, pair.guess, leaves[lane].leaf, pieces[lane]);
             self.from_error[lane] = from.map_or(0.0, |root| root.error);
         }

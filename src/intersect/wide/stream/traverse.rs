@@ -9,6 +9,7 @@ use fearless_simd::{Simd, SimdBase, f32x16, f64x8};
 use fearless_simd_macros::simd;
 
 use super::pairs::{Pair, PairLanes};
+use crate::intersect::hit::StartIn;
 use crate::intersect::tree::nodes::{Child, ChildCode, LANES, Way};
 use crate::intersect::wide::box_ray::{
     BOX_SPARE, BoxRay, Crossings, Stack, first_entered, push_unforeseen,
@@ -269,9 +270,9 @@ fn prefetch(view: &BvhView<'_>, visits: &[Visit], crossings: &[Crossings]) {
 }
 
 #[inline(always)]
-fn start_of<Q: Shot>(shot: &Q) -> Start<'_> {
+fn start_of<'q, Q: Shot>(view: &BvhView<'_>, shot: &'q Q) -> Start<'q> {
     let ray = shot.ray();
-    Start { from: shot.start_root(), ahead: ray.t_min() >= 0.0 }
+    Start { from: shot.start_in(view.set), ahead: ray.t_min() >= 0.0 }
 }
 
 /// Sets all rays to begin at the root of the tree.
@@ -333,7 +334,7 @@ struct StreamRay<'a> {
 impl<'a> StreamRay<'a> {
     #[inline(always)]
     fn new<Q: Shot>(view: &'a BvhView<'a>, shot: &'a Q, wanted: Wanted, index: u32) -> Self {
-        Self { view, ray: shot.ray(), start: start_of(shot), wanted, index }
+        Self { view, ray: shot.ray(), start: start_of(view, shot), wanted, index }
     }
 
     /// Examines the leaves of a block whose boxes the ray meets.
