@@ -57,9 +57,11 @@ With --json one object:
                  may be from what the scene asks for, in units of the scene: 0,
                  or measured where a sweep is approximated, or proved where a
                  subdivision surface is), patches (null, or of a subdivision
-                 surface all, exact), trims (null, or keep, loops, segments,
-                 widest_gap (that was closed between the curves of a loop, as
-                 a part of its extent), bytes, mixed_leaves: those at an edge)
+                 surface all, exact), trims (null, or keep, loops,
+                 loops_outside (of these: outside the domain, where they cut
+                 nothing), segments, widest_gap (that was closed between the
+                 curves of a loop, as a part of its extent), bytes,
+                 mixed_leaves: those at an edge)
   total          surfaces, control_points, pieces, leaves, bytes (with the
                  hierarchy), bounds
   borders        total, trim_edges (of these), collapsed, meeting,
@@ -171,6 +173,7 @@ fn surface_json(surface: &SurfaceFacts) -> Value {
                 Kept::Even => "outside",
             },
             "loops": trims.loops,
+            "loops_outside": trims.outside,
             "segments": trims.segments,
             "widest_gap": trims.widest_gap,
             "bytes": trims.bytes,

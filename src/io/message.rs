@@ -12,9 +12,10 @@ const KINDS: [(&str, &str); 5] = [
     ("circle", "loop"),
 ];
 
-/// Keys written in the wrong table: the key, a key that this table does have, and what to write
-/// instead.
-const ELSEWHERE: [(&str, &str, &str); 17] = [
+/// Keys written in the wrong table, or in the wrong unit: the key, a key that this table does have,
+/// and what to write instead.
+const ELSEWHERE: [(&str, &str, &str); 18] = [
+    ("radians", "degrees", "degrees = …"),
     ("fov", "perspective", "perspective = { fov = … }"),
     ("height", "orthographic", "orthographic = { height = … }"),
     ("from", "look_from", "look_from = [x, y, z]"),
@@ -33,6 +34,9 @@ const ELSEWHERE: [(&str, &str, &str); 17] = [
     ("material", "knots_u", "it under [[object]], above the tables of its shape"),
     ("plane", "net", "it under [[plot]], above the tables of what it shows"),
 ];
+
+/// Tables of which a scene may have several.
+const SEVERAL: [&str; 4] = ["light", "material", "object", "plot"];
 
 /// Rust types that parsers mention, and their plain names.
 const TYPES: [(&str, &str); 8] = [
@@ -65,7 +69,13 @@ pub(super) fn explain(message: &str, written: &str) -> String {
         return "a number has a digit before its point, as in 0.5".to_owned();
     }
     if message == "duplicate key" {
-        return format!("key \"{}\" is given twice", written.trim());
+        let key = written.trim();
+        return match SEVERAL.contains(&key) {
+            true => format!(
+                "[[{key}]] stands below a table of its own: write [{key}.…] after [[{key}]]"
+            ),
+            false => format!("key \"{key}\" is given twice"),
+        };
     }
     if let Some(said) = one_or_several(message, written.trim()) {
         return said;
@@ -179,6 +189,10 @@ mod tests {
         assert_eq!(
             explain("unknown field `fov`, expected one of `look_from`, `perspective`", "fov"),
             "unknown key \"fov\"; write perspective = { fov = … }"
+        );
+        assert_eq!(
+            explain("unknown field `radians`, expected one of `radius`, `degrees`", "radians"),
+            "unknown key \"radians\"; write degrees = …"
         );
         assert_eq!(
             explain("unknown field `fov`, expected one of `size`, `spp`", "fov"),

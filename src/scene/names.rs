@@ -7,15 +7,28 @@ use std::fmt;
 /// nothing but a guess.
 const MAX_WRONG: f64 = 0.4;
 
+/// As many letters do words have in common that mean the same: `revolve` and `revolution`.
+const STEM: usize = 5;
+
 /// Returns the known name nearest to the one written, if one is near enough to be meant.
 ///
 /// Nearness is the Damerau–Levenshtein distance (letters added, dropped, replaced or
-/// swapped), without regard to case; the first of equals wins.
+/// swapped), without regard to case; the first of equals wins. If no name is near, the only one
+/// that begins like the one written may be meant.
 pub fn nearest<'a>(written: &str, known: &[&'a str]) -> Option<&'a str> {
     let written = written.to_lowercase();
+    nearest_in_letters(&written, known).or_else(|| {
+        let start = written.get(..STEM)?;
+        let mut alike = known.iter().filter(|name| name.to_lowercase().starts_with(start));
+        let only = alike.next().copied();
+        only.filter(|_| alike.next().is_none())
+    })
+}
+
+fn nearest_in_letters<'a>(written: &str, known: &[&'a str]) -> Option<&'a str> {
     known
         .iter()
-        .map(|&name| (strsim::normalized_damerau_levenshtein(&written, &name.to_lowercase()), name))
+        .map(|&name| (strsim::normalized_damerau_levenshtein(written, &name.to_lowercase()), name))
         .filter(|(likeness, _)| *likeness >= 1.0 - MAX_WRONG)
         .fold(None, |best: Option<(f64, &str)>, next| match best {
             Some(best) if best.0 >= next.0 => Some(best),
@@ -91,6 +104,9 @@ mod tests {
         assert_eq!(nearest("teapot", &known), None);
         assert_eq!(nearest("", &known), None);
         assert_eq!(nearest("x", &[]), None);
+        let known = ["revolution", "extrusion", "extruded"];
+        assert_eq!(nearest("revolve", &known), Some("revolution"));
+        assert_eq!(nearest("extrumetric", &known), None, "two begin like that");
     }
 
     #[test]

@@ -114,6 +114,43 @@ fn gaps_in_trim_loops_are_closed_and_told() {
     assert!(error.contains("gaps up to (0.001, 0.001) are closed"), "{error}");
 }
 
+/// A circle meant in the units of the plane, not of (u, v), goes around all of it.
+#[test]
+fn loops_outside_the_domain_are_told() {
+    let scene = |loops: &str| {
+        format!(
+            "[[object]]\nshape = {{ plane = {{ width = 40, height = 40 }} }}\ntrims = {{ loops = [{loops}] }}\n"
+        )
+    };
+    let around = scene("{ circle = { center = [0, 0], radius = 18 } }");
+    let border = scene("{ polygon = [[0, 0], [1, 0], [1, 1], [0, 1]] }");
+    let sandbox = Sandbox::with(&[("around.toml", &around), ("border.toml", &border)]);
+    for (name, outside) in [("around", 1), ("border", 0)] {
+        let text = sandbox.run(&format!("info {name}.toml")).succeeded().stdout;
+        assert_eq!(
+            text.contains("  1 loop outside the domain cuts nothing\n"),
+            outside > 0,
+            "{text}"
+        );
+        let json = sandbox.run(&format!("info {name}.toml --json")).succeeded().json();
+        assert_eq!(json["surfaces"][0]["trims"]["loops_outside"], json!(outside));
+    }
+}
+
+/// Half a lens: the poles that trims cut off are not listed.
+#[test]
+fn poles_are_those_that_trims_keep() {
+    let cap = "[[object]]\nname = \"cap\"\nshape = { sphere = { radius = 1 } }\ntrims = { loops = \
+               [{ polygon = [[0.8, 0], [1, 0], [1, 1], [0.8, 1]] }] }\n";
+    let sandbox = Sandbox::with(&[("cap.toml", cap)]);
+    let json = sandbox.run("info cap.toml --json").succeeded().json();
+    let poles = json["surfaces"][0]["collapsed_edges"].as_array().unwrap();
+    assert_eq!(poles.len(), 1, "{poles:?}");
+    assert_eq!(poles[0]["edge"], "u = 1");
+    let text = sandbox.run("info cap.toml").succeeded().stdout;
+    assert!(text.contains("1 collapsed edge (poles):"), "{text}");
+}
+
 #[test]
 fn bounds_are_those_of_what_trims_keep() {
     let disc = r#"

@@ -58,6 +58,8 @@ pub(super) struct TrimFacts {
     pub(super) kept: Kept,
     /// Loops, copies by periods included.
     pub(super) loops: usize,
+    /// Of these, loops that run outside the domain.
+    pub(super) outside: usize,
     /// Monotone segments of all loops.
     pub(super) segments: usize,
     /// The widest gap that was closed, as a part of its loop's extent.
@@ -130,7 +132,7 @@ fn authored(world: &World, index: usize) -> SurfaceFacts {
     let surface = &instance.surface;
     let charts = surface.charts();
     let collapsed = charts.iter().flat_map(|chart| {
-        let borders = Border::of(chart);
+        let borders = Border::of(chart).filter(|border| border.is_kept(chart));
         borders.filter_map(|border| Some((border, border.pole(&chart.surface)?)))
     });
     SurfaceFacts {
@@ -157,6 +159,7 @@ fn authored(world: &World, index: usize) -> SurfaceFacts {
             TrimFacts {
                 kept: trims.kept(),
                 loops: trims.loop_count(),
+                outside: trims.outside_loop_count(),
                 segments: trims.segment_count(),
                 widest_gap: trims.widest_gap(),
                 bytes: trims.bytes(),

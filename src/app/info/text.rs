@@ -75,17 +75,22 @@ fn trimmed(surfaces: &[SurfaceFacts]) -> String {
                 Kept::Odd => "inside",
                 Kept::Even => "outside",
             };
+            let mut notes = Vec::new();
+            if trims.outside > 0 {
+                let loops = count(trims.outside as u64, "loop");
+                let cut = if trims.outside == 1 { "cuts" } else { "cut" };
+                notes.push(format!("{loops} outside the domain {cut} nothing"));
+            }
+            if trims.widest_gap > SEVEN_DIGITS {
+                notes.push(format!("gaps up to {} of a loop closed", Measured(trims.widest_gap)));
+            }
             Some(vec![
                 format!("  {} {}", surface.index, surface.name),
                 format!("kept {kept} {}", count(trims.loops as u64, "loop")),
                 format!("of {}", count(trims.segments as u64, "monotone segment")),
                 short_bytes(trims.bytes),
                 format!("{} of {} leaves at an edge", trims.mixed, surface.leaves),
-                if trims.widest_gap > SEVEN_DIGITS {
-                    format!("gaps up to {} of a loop closed", Measured(trims.widest_gap))
-                } else {
-                    String::new()
-                },
+                notes.join("; "),
             ])
         })
         .collect();
@@ -156,6 +161,7 @@ fn borders(fit: &Fit, facts: &Facts) -> String {
         count(fit.borders as u64, "border"),
         match fit.trim_edges {
             0 => String::new(),
+            1 => ", 1 of them a trim edge".into(),
             edges => format!(", {edges} of them trim edges"),
         },
         fit.collapsed,

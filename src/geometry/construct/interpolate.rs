@@ -124,6 +124,7 @@ impl NurbsCurve {
     /// When there are fewer than `degree + 1` points, one is not finite, or two in a row
     /// coincide.
     pub fn through(points: &[DVec3], degree: usize) -> Result<Self, CurveError> {
+        KnotVector::clamped_uniform(degree, points.len())?; // checks the counts first
         let polygon = Self::polyline(points)?;
         let parameters = &polygon.knots().values()[1..=points.len()];
         let equations = Interpolation::new(degree, parameters)?;
@@ -186,6 +187,10 @@ mod tests {
         assert_eq!(
             NurbsCurve::through(&points[..2], 3).unwrap_err().to_string(),
             "2 points of degree 3: at least 4 are needed"
+        );
+        assert_eq!(
+            NurbsCurve::through(&points[..1], 5).unwrap_err().to_string(),
+            "1 point of degree 5: at least 6 are needed"
         );
         assert_eq!(
             NurbsCurve::through(&points, 1).unwrap_err().to_string(),

@@ -26,6 +26,9 @@ const TOUCH: f64 = 1e-12;
 /// border. (In files with borders and loops of 13 digits they reach in farther.)
 const ON_BORDER: f64 = 8.0 * UNIT_ROUNDOFF;
 
+/// See [`Trims::outside_loop_count`].
+const OUTSIDE: f64 = 1e-3;
+
 /// Which side of the loops is kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Kept {
@@ -316,6 +319,17 @@ impl Trims {
     /// The number of loops, copies by periods included.
     pub fn loop_count(&self) -> usize {
         self.loops.len()
+    }
+
+    /// The number of loops that pass by outside the domain, farther from it than a thousandth of
+    /// its length: they cut nothing, which may be a mistake of units.
+    pub fn outside_loop_count(&self) -> usize {
+        let bounds = self.domain.bounds();
+        let around = bounds.grown(OUTSIDE * bounds.size());
+        let is_within = |segment: &Segment| {
+            segment.bounds().meets(&around) && segment.passing(&around) == Passing::Meets
+        };
+        self.loop_segments().filter(|segments| !segments.iter().any(is_within)).count()
     }
 
     /// The number of monotone segments of all loops.

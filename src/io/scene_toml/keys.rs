@@ -13,7 +13,9 @@ use super::kinds::{Kinds, OneOf};
 use super::knot_list::KnotList;
 use super::plots::{FigureKeys, PlotKeys};
 use super::trims::TrimKeys;
-use super::values::{Axis, Color, Count, Emission, Exactly, Factors, Number, PerDirection, Vector};
+use super::values::{
+    Axis, Color, Count, Emission, Exactly, Factors, NetPoint, Number, PerDirection, Vector,
+};
 use crate::geometry::shapes::OctantConstants;
 use crate::scene::{NamedShape, Scheme};
 
@@ -311,7 +313,7 @@ pub(super) struct NurbsKeys {
     pub(super) degree: PerDirection,
     pub(super) knots_u: Option<Spanned<KnotList>>,
     pub(super) knots_v: Option<Spanned<KnotList>>,
-    pub(super) points: Spanned<Grid<Vector>>,
+    pub(super) points: Spanned<Grid<NetPoint>>,
     pub(super) weights: Option<Spanned<Grid<Spanned<f64>>>>,
 }
 

@@ -231,6 +231,10 @@ fn broken_nets() {
             "5:20: found a list of 2 numbers, needed three numbers, [x, y, z]",
         ),
         (
+            "degree = 1\npoints = [[0,0,0],[0,1,0],[1,0,0],[1,1,0]]".to_owned(),
+            "5:12: found 0, needed a row of points: a net is [[[x, y, z], …], …]",
+        ),
+        (
             "degree = 1\npoints = [[[1,1,1],[1,1,1]],[[1,1,1],[1,1,1]]]".to_owned(),
             "5:10: surface \"lid\": all control points are (1, 1, 1): the surface has no extent",
         ),

@@ -136,6 +136,14 @@ fn broken_toml() {
         ("[[object]]\nshape = { sphere = {", "s.toml:2:21: unclosed inline table, expected \"}\""),
         ("[camera]\nup = [0, 0", "s.toml:2:11: unclosed array, expected \"]\""),
         ("[camera]\nup = [0, 0, 1]\nup = [0, 0, 1]", "s.toml:3:1: key \"up\" is given twice"),
+        (
+            "[object.trims]\nloops = []\n[[object]]\nshape = 'plane'",
+            "s.toml:3:3: [[object]] stands below a table of its own: write [object.…] after [[object]]",
+        ),
+        (
+            "[[object]]\nshape = { revolve = { profile = 3 } }",
+            "s.toml:2:11: unknown shape \"revolve\"; did you mean \"revolution\"?",
+        ),
         ("[[object]]\nname = 'x", "s.toml:2:10: invalid literal string, expected \"'\""),
     ] {
         assert_eq!(error(text), message, "{text}");

@@ -18,6 +18,10 @@ pub(super) struct Number(pub(super) f64);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Vector(pub(super) DVec3);
 
+/// A point of a control net, in one of its rows: `[x, y, z]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct NetPoint(pub(super) DVec3);
+
 /// A point of a curve: `[x, y, z]`, or `[x, y]` in the plane `z = 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Point(pub(super) DVec3);
@@ -192,7 +196,7 @@ macro_rules! read_loosely {
     )*};
 }
 
-read_loosely!(Number, Vector, Point, Pair, Factors, Axis, Color, Emission, PerDirection);
+read_loosely!(Number, Vector, NetPoint, Point, Pair, Factors, Axis, Color, Emission, PerDirection);
 
 impl Loose {
     /// The message that this was found instead of what is needed.
@@ -247,6 +251,18 @@ impl TryFrom<Loose> for Vector {
 
     fn try_from(value: Loose) -> Result<Self, String> {
         value.vector().map(Self).ok_or_else(|| value.but_needed("three numbers, [x, y, z]"))
+    }
+}
+
+impl TryFrom<Loose> for NetPoint {
+    type Error = String;
+
+    fn try_from(value: Loose) -> Result<Self, String> {
+        let needed = match value {
+            Loose::Number(_) => "a row of points: a net is [[[x, y, z], …], …]",
+            _ => "three numbers, [x, y, z]",
+        };
+        value.vector().map(Self).ok_or_else(|| value.but_needed(needed))
     }
 }
 
