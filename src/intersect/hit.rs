@@ -14,6 +14,7 @@ use crate::patch::{PatchSet, SetId};
 /// Hits are equal if all of their numbers are. A hit without a normal equals nothing, not even
 /// itself, since its normal is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)] // see `Answer`
 pub struct Hit {
     /// The ray parameter: the hit lies at `o + t d`, with `d` as the caller gave it.
     pub t: f64,
@@ -22,6 +23,8 @@ pub struct Hit {
     /// hierarchy does not keep the surfaces. In a scene it is an index into
     /// [`World::surfaces`](crate::scene::World::surfaces).
     pub surface: u32,
+    /// What else is known about the hit.
+    pub flags: HitFlags,
     /// The surface parameters, in the surface's own knot domain.
     pub uv: DVec2,
     /// The point on the surface, `S(u, v)`.
@@ -31,26 +34,25 @@ pub struct Hit {
     /// few roundings (in packets to 5e-12), beside poles too. Only half of its digits are sure
     /// beside collapsed sides that meet, or where all paths from a pole start in one direction.
     pub normal: DVec3,
-    /// What else is known about the hit.
-    pub flags: HitFlags,
     /// The root that secondary rays leaving this hit start on.
     pub root: Root,
 }
 
 /// A root a secondary ray may leave: opaque to the caller, taken from [`Hit::root`].
 #[derive(Clone, Copy, Debug)]
+#[repr(C)] // see `Answer`
 pub struct Root {
-    /// The surfaces it was found on.
-    pub(crate) set: SetId,
+    /// Its parameters in the unit square of its piece.
+    pub(crate) st: DVec2,
+    /// How far along the ray the true root may be from the surface's point at `st`, in scene units.
+    pub(crate) error: f64,
     /// The Bézier piece it was found on.
     pub(crate) piece: u32,
     /// The part of `error` that is across the surface: the cosine of the angle between ray and
     /// normal; 0 without a normal.
     pub(crate) cosine: f32,
-    /// Its parameters in that piece's unit square.
-    pub(crate) st: DVec2,
-    /// How far along the ray the true root may be from the surface's point at `st`, in scene units.
-    pub(crate) error: f64,
+    /// The surfaces it was found on; zero in place of an absent root.
+    pub(crate) set: SetId,
 }
 
 /// Roots are equal if all of their numbers are, in whatever hierarchy they were found.
@@ -278,6 +280,9 @@ mod sealed {
 /// do: one with a hit that has no normal equals nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[must_use = "it may be doubtful"]
+// All that is written of a miss are the set of an absent root, and what follows it: these should be
+// in one cache line. Measured: a sheet's pictures are traced 1.04 times as fast.
+#[repr(C)]
 pub struct Answer {
     /// The hit with the smallest `t`.
     pub hit: Option<Hit>,
@@ -298,6 +303,8 @@ pub struct Occlusion {
 
 #[cfg(test)]
 mod tests {
+    use std::mem::offset_of;
+
     use glam::DAffine3;
 
     use super::*;
@@ -362,9 +369,11 @@ mod tests {
     }
 
     #[test]
-    fn roots_tell_their_surfaces_in_no_more_memory() {
+    fn answers_are_small_and_misses_are_written_in_one_place() {
         assert_eq!(size_of::<Option<Root>>(), size_of::<Root>());
         assert_eq!(size_of::<Answer>(), 128);
+        let set = offset_of!(Answer, hit) + offset_of!(Hit, root) + offset_of!(Root, set);
+        assert_eq!(set + size_of::<f64>(), offset_of!(Answer, doubtful));
     }
 
     #[test]
