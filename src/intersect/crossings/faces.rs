@@ -20,6 +20,12 @@ const MOST_HALVINGS: u32 = 40;
 /// this, the root of the unit roundoff.
 const LEAST_SINE: f64 = 1e-8;
 
+/// A ray through a pole nearly touches the surface around it if some direction that leads away
+/// from the pole is so nearly its own, in radians: it goes through the surface once more beside the
+/// pole, perhaps too near to be told from it. Measured on pointed lenses: up to some 1e-7, counts
+/// would be odd.
+const LEAST_ACROSS: f64 = 1e-6;
+
 /// A piece of a surface, where a ray meets it.
 pub(super) struct Face<'a> {
     pub(super) piece: &'a Piece,
@@ -110,6 +116,7 @@ impl Face<'_> {
         if !away.iter().any(|a| spans(a, &away[0]) || spans(a, &away[away.len() - 1])) {
             return None;
         }
+        let longest = away.iter().map(|v| v.length()).fold(0.0, f64::max);
         let across: Vec<DVec3> = away.into_iter().map(|v| self.across(v)).collect();
 
         // The normal is the cross product of the direction's derivative along the side and the
@@ -126,7 +133,7 @@ impl Face<'_> {
         };
         let swept = |stretch: [f64; 2]| {
             let [from, to] = stretch.map(local);
-            self.swept(part_of(&across, from, to), MOST_HALVINGS)
+            self.swept(part_of(&across, from, to), LEAST_ACROSS * longest, MOST_HALVINGS)
         };
         Some(sign * kept.into_iter().map(swept).sum::<Option<f64>>()?)
     }
@@ -134,18 +141,19 @@ impl Face<'_> {
     /// The angle a Bézier curve sweeps about the ray; its control points are given as seen along
     /// the ray. If they are all on one side of a line through the ray, so is the curve, and its
     /// ends give the angle. Otherwise this holds, sooner or later, for the control points of its
-    /// halves.
-    fn swept(&self, control: Vec<DVec3>, halvings: u32) -> Option<f64> {
+    /// halves. `None` if the curve comes nearer than `least` to the ray.
+    fn swept(&self, control: Vec<DVec3>, least: f64, halvings: u32) -> Option<f64> {
         let [first, last] = [control[0], control[control.len() - 1]];
         let middle = control.iter().filter_map(|v| v.try_normalize()).sum::<DVec3>();
         // By more than rounding: for half a turn, rounding would decide which way.
-        let ahead = |v: &DVec3| v.dot(middle) > LEAST_SINE * v.length() * middle.length();
+        let needed = |v: &DVec3| (LEAST_SINE * v.length()).max(least);
+        let ahead = |v: &DVec3| v.dot(middle) > needed(v) * middle.length();
         if control.iter().all(ahead) {
             return Some(self.turn(first, last));
         }
         let halvings = halvings.checked_sub(1)?;
-        let below = self.swept(part_of(&control, 0.0, 0.5), halvings)?;
-        Some(below + self.swept(part_of(&control, 0.5, 1.0), halvings)?)
+        let below = self.swept(part_of(&control, 0.0, 0.5), least, halvings)?;
+        Some(below + self.swept(part_of(&control, 0.5, 1.0), least, halvings)?)
     }
 
     /// A vector as seen along the ray.

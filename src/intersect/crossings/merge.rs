@@ -10,7 +10,8 @@ use crate::patch::Piece;
 
 /// Sorts meetings by `t` and merges those that are one crossing: at the same place, with
 /// the same sign of `N · d`, and seen by two leaves, or on adjoining pieces of a surface,
-/// or on borders or trim edges of two surfaces. Stretches inside a surface that overlap become one.
+/// or on borders or trim edges of two surfaces; or each at the same place as a third, which beside
+/// a vertex may be less well known. Stretches inside a surface that overlap become one.
 /// [`vertices`] decides which way the ray, along `axis`, goes through a vertex.
 /// Whatever else is met at the place of a tip stays, and the tip becomes doubtful.
 ///
@@ -24,17 +25,19 @@ pub(in crate::intersect) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece],
 
     let reach = reach_along(meetings);
     let mut crossings: Vec<Crossing> = Vec::new();
+    // Those that the next meeting may still belong to.
+    let mut near: Vec<usize> = Vec::new();
     for &meeting in &*meetings {
-        // Crossings are in order, except where a certain view has replaced one, from within reach
-        // behind it.
-        let near = |earlier: &&mut Crossing| meeting.t - earlier.view.t <= 2.0 * reach;
-        let same = crossings.iter_mut().rev().take_while(near).find(|earlier| {
-            same_side(&earlier.view, &meeting)
-                && at_one_place(&earlier.view, &meeting, pieces, axis)
-        });
-        match same {
-            Some(crossing) => crossing.join(meeting),
-            None => crossings.push(Crossing::new(meeting)),
+        near.retain(|&k| meeting.t - crossings[k].last().t <= reach);
+        let is_same = |view: &Meeting| {
+            same_side(view, &meeting) && at_one_place(view, &meeting, pieces, axis)
+        };
+        match near.iter().rev().find(|&&k| crossings[k].views.iter().any(is_same)) {
+            Some(&k) => crossings[k].join(meeting),
+            None => {
+                near.push(crossings.len());
+                crossings.push(Crossing::new(meeting));
+            }
         }
     }
     meetings.clear();
@@ -47,6 +50,8 @@ pub(in crate::intersect) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece],
 
 /// Views of one crossing.
 struct Crossing {
+    /// All of them, by `t`; never empty.
+    views: Vec<Meeting>,
     /// The view that counts: the first certain one, or the first if none is certain.
     view: Meeting,
     is_certain: bool,
@@ -56,11 +61,22 @@ struct Crossing {
 
 impl Crossing {
     fn new(meeting: Meeting) -> Self {
-        Self { view: meeting, is_certain: meeting.is_certain(), is_open: touches(&meeting) }
+        Self {
+            views: vec![meeting],
+            view: meeting,
+            is_certain: meeting.is_certain(),
+            is_open: touches(&meeting),
+        }
+    }
+
+    /// The last view.
+    fn last(&self) -> &Meeting {
+        &self.views[self.views.len() - 1]
     }
 
     /// Adds another view; all flags except `DOUBTFUL` are united.
     fn join(&mut self, meeting: Meeting) {
+        self.views.push(meeting);
         let flags = self.view.flags.with(meeting.flags).without(HitFlags::DOUBTFUL);
         let beyond = self.view.beyond && meeting.beyond;
         if meeting.is_certain() && !self.is_certain {
