@@ -4,7 +4,7 @@ use std::fmt;
 
 use glam::{DVec2, DVec3};
 use nurbray::geometry::trim::{Coverage, UvBox};
-use nurbray::geometry::{Chart, KnotVector, NurbsSurface};
+use nurbray::geometry::{Chart, ChartMap, KnotVector, NurbsSurface};
 use nurbray::math::rounding::residual_factor;
 
 /// The number of intervals between the points of a border that are compared to find a pole.
@@ -20,6 +20,9 @@ pub(crate) struct Border {
     /// Whether the border lies just before such a knot, where the surface ends, and not at the
     /// knot, where it begins.
     before: bool,
+    /// Its ends in the whole surface's (u, v), if it is a side of a chart with parameters of its
+    /// own.
+    ends: Option<[DVec2; 2]>,
 }
 
 impl Border {
@@ -30,12 +33,19 @@ impl Border {
             fixed,
             at,
             before: false,
+            ends: None,
         })
     }
 
     /// The sides of a chart that are borders of its surface.
     pub(crate) fn of(chart: &Chart<'_>) -> impl Iterator<Item = Self> + use<> {
-        let sides = Self::all(&chart.surface).into_iter().zip(chart.border);
+        let named = |side: Self| {
+            let (from, to) = side.knots(&chart.surface).domain();
+            let end = |t: f64| chart.map.uv(side.uv(t).into());
+            let has_own = chart.map != ChartMap::Identity;
+            Self { ends: has_own.then(|| [end(from), end(to)]), ..side }
+        };
+        let sides = Self::all(&chart.surface).map(named).into_iter().zip(chart.border);
         sides.filter_map(|(side, is_border)| is_border.then_some(side))
     }
 
@@ -47,7 +57,7 @@ impl Border {
         {
             let starts = knots.spans().skip(1).map(|span| span.start);
             for at in starts.filter(|&at| knots.multiplicity(at) > knots.degree()) {
-                inner.extend([true, false].map(|before| Self { fixed, at, before }));
+                inner.extend([true, false].map(|before| Self { fixed, at, before, ends: None }));
             }
         }
         inner
@@ -101,8 +111,22 @@ impl Border {
 
 impl fmt::Display for Border {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let before = if self.before { "just before " } else { "" };
-        write!(f, "{before}{} = {}", if self.fixed == 0 { 'u' } else { 'v' }, self.at)
+        match self.ends {
+            None => {
+                let before = if self.before { "just before " } else { "" };
+                write!(f, "{before}{} = {}", if self.fixed == 0 { 'u' } else { 'v' }, self.at)
+            }
+            Some([a, b]) if a.x == b.x => {
+                write!(f, "u = {}, v {}..{}", a.x, a.y.min(b.y), a.y.max(b.y))
+            }
+            Some([a, b]) => {
+                let (from, to) = (a.x.min(b.x), a.x.max(b.x));
+                match a.y == b.y {
+                    true => write!(f, "v = {}, u {from}..{to}", a.y),
+                    false => write!(f, "u + v = {}, u {from}..{to}", a.x + a.y),
+                }
+            }
+        }
     }
 }
 
@@ -120,7 +144,7 @@ pub(crate) fn rounding(surface: &NurbsSurface) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use nurbray::geometry::shapes;
+    use nurbray::geometry::{Charts, TrianglePatch, shapes};
 
     use super::*;
 
@@ -150,6 +174,29 @@ mod tests {
             let ahead = border.point(&torus, t + h) - border.point(&torus, t - h);
             let (_, tangent) = border.tangent(&torus, t);
             assert!((ahead / (2.0 * h) - tangent).length() < 1e-7 * tangent.length());
+        }
+    }
+
+    #[test]
+    fn sides_of_triangles_are_named_by_the_whole_surface() {
+        let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
+        let triangle = TrianglePatch::new(1, corners, None).unwrap();
+        let charts = triangle.charts();
+        let mut names: Vec<String> =
+            charts.iter().flat_map(Border::of).map(|border| border.to_string()).collect();
+        names.sort();
+        let sides = ["u + v = 1, u", "u = 0, v", "v = 0, u"];
+        let halves =
+            sides.iter().flat_map(|side| ["0..0.5", "0.5..1"].map(|half| format!("{side} {half}")));
+        assert_eq!(names, halves.collect::<Vec<_>>());
+        for chart in &charts {
+            for border in Border::of(chart) {
+                let (from, to) = border.knots(&chart.surface).domain();
+                let ends = [from, to].map(|t| border.point(&chart.surface, t));
+                // The patch is the plane of its parameters, turned.
+                let [a, b] = border.ends.unwrap().map(|uv| triangle.point_at(uv.x, uv.y));
+                assert!(ends[0].distance(a) < 1e-15 && ends[1].distance(b) < 1e-15, "{border}");
+            }
         }
     }
 }
