@@ -122,13 +122,24 @@ fn doubt_half_touches(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) {
 /// The cosine below which the ray of a doubtful meeting may touch the surface.
 const GRAZING: f64 = 1e-4;
 
+/// It may also touch the surface if the square of the cosine is less than this many times the error
+/// over the size of the piece: if the radius of curvature is an eighth of that size, and the ray is
+/// off by four times the error.
+const BENT: f64 = 64.0;
+
 /// Whether the ray of a meeting may touch the surface: such a meeting counts for either side.
 ///
 /// A doubtful meeting that is steep has one side. At a corner of a piece whose tangents there are
 /// parallel, as where a crease of a limit surface runs on smoothly, nothing is proved; but it is
 /// known on which side of the surface around the corner the ray is.
 pub(super) fn touches(meeting: &Meeting) -> bool {
-    !meeting.is_certain() && meeting.cosine.abs() < GRAZING && !has_no_normal(meeting)
+    if meeting.is_certain() || has_no_normal(meeting) {
+        return false;
+    }
+    let jet = &meeting.jet;
+    let size = jet.ds.length().max(jet.dt.length());
+    let is_bent = meeting.cosine.powi(2) * size < BENT * meeting.error;
+    meeting.cosine.abs() < GRAZING || is_bent
 }
 
 /// Whether a meeting is at a tip, or so near to one that the surface has no normal there.
@@ -203,6 +214,11 @@ mod tests {
         crossing.join(other);
         assert_eq!(crossing.view.t, 1.0);
         assert_eq!(crossing.view.flags, HitFlags::DOUBTFUL.with(HitFlags::BORDER));
+
+        // Far from the origin, where errors are large, steeper ones may touch the surface, too.
+        let far = |cosine| Meeting { error: 5e-9, ..view(1.2, cosine, HitFlags::DOUBTFUL) };
+        assert!(touches(&far(5e-4)) && !touches(&far(6e-4)));
+        assert!(!touches(&view(1.2, 5e-4, HitFlags::DOUBTFUL)));
 
         // A steep doubtful view is just another view: it gives way, and its doubt goes with it.
         let mut crossing = Crossing::new(view(1.2, 0.5, HitFlags::DOUBTFUL));
