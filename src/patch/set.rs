@@ -41,8 +41,8 @@ const MOST_COUNTED: usize = u32::MAX as usize / 4;
 /// megabytes may ask for more memory than there is; the program would then end without a message.
 const MOST_BEZIER_POINTS: usize = 1 << 27;
 
-/// Tells the pieces of one set from those of others: hits may outlive the set they were found in, or
-/// be mistaken for hits of another. Copies of a set are that set.
+/// Tells the pieces of one set from those of others: hits may outlive the set they were found in,
+/// or be mistaken for hits of another. Copies of a set are that set.
 ///
 /// Not zero, so that an absent root takes no more memory than a present one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

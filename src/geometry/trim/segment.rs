@@ -136,7 +136,8 @@ impl Segment {
         self.reach
     }
 
-    /// Finds out whether it reaches into a domain by no more than its reach and `off`, in u or in v.
+    /// Finds out whether it reaches into a domain by no more than its reach and `off`, in u or in
+    /// v.
     pub(super) fn look_for_border(&mut self, domain: &UvBox, off: DVec2) {
         let UvBox { min, max } = self.bounds();
         let off = off + self.reach;
