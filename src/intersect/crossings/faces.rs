@@ -20,10 +20,10 @@ const MOST_HALVINGS: u32 = 40;
 /// this, the root of the unit roundoff.
 const LEAST_SINE: f64 = 1e-8;
 
-/// A ray through a pole nearly touches the surface around it if some direction that leads away
-/// from the pole is so nearly its own, in radians: it goes through the surface once more beside the
-/// pole, perhaps too near to be told from it. Measured on pointed lenses: up to some 1e-7, counts
-/// would be odd.
+/// A ray through a pole nearly touches the surface around it if some vector that leads away from
+/// the pole, as seen along the ray, is shorter than this part of the longest: it goes through the
+/// surface once more beside the pole, perhaps too near to be told from it. Measured on pointed
+/// lenses: where the angle is up to some 1e-7, counts would be odd.
 const LEAST_ACROSS: f64 = 1e-6;
 
 /// A piece of a surface, where a ray meets it.

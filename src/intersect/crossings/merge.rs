@@ -10,10 +10,12 @@ use crate::patch::Piece;
 
 /// Sorts meetings by `t` and merges those that are one crossing: at the same place, with
 /// the same sign of `N · d`, and seen by two leaves, or on adjoining pieces of a surface,
-/// or on borders or trim edges of two surfaces; or each at the same place as a third, which beside
-/// a vertex may be less well known. Stretches inside a surface that overlap become one.
+/// or on borders or trim edges of two surfaces. Stretches inside a surface that overlap become one.
 /// [`vertices`] decides which way the ray, along `axis`, goes through a vertex.
 /// Whatever else is met at the place of a tip stays, and the tip becomes doubtful.
+///
+/// Beside a vertex, two meetings that are not at one place may each be at the place of a third,
+/// which is less well known. Whether they are one crossing is not known: both are doubtful.
 ///
 /// A ray that passes a convex edge on its outside, within rounding, may be said to enter and to
 /// leave there, or to do neither. Where only one of the two sides was near enough, its meeting is
@@ -32,13 +34,19 @@ pub(in crate::intersect) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece],
         let is_same = |view: &Meeting| {
             same_side(view, &meeting) && at_one_place(view, &meeting, pieces, axis)
         };
-        match near.iter().rev().find(|&&k| crossings[k].views.iter().any(is_same)) {
-            Some(&k) => crossings[k].join(meeting),
-            None => {
-                near.push(crossings.len());
-                crossings.push(Crossing::new(meeting));
+        if let Some(&k) = near.iter().rev().find(|&&k| is_same(&crossings[k].view)) {
+            crossings[k].join(meeting);
+            continue;
+        }
+        let mut crossing = Crossing::new(meeting);
+        for &k in &near {
+            if crossings[k].views.iter().any(is_same) {
+                crossings[k].open();
+                crossing.open();
             }
         }
+        near.push(crossings.len());
+        crossings.push(crossing);
     }
     meetings.clear();
     meetings.extend(crossings.into_iter().map(|crossing| crossing.view));
@@ -55,7 +63,8 @@ struct Crossing {
     /// The view that counts: the first certain one, or the first if none is certain.
     view: Meeting,
     is_certain: bool,
-    /// Whether a view is doubtful and grazing: it may be a crossing of its own, or contain another.
+    /// Whether it may be more than one crossing, or a part of another: a view is doubtful and
+    /// grazing, or at the place of another crossing's.
     is_open: bool,
 }
 
@@ -72,6 +81,12 @@ impl Crossing {
     /// The last view.
     fn last(&self) -> &Meeting {
         &self.views[self.views.len() - 1]
+    }
+
+    /// Makes it doubtful, whatever views are added.
+    fn open(&mut self) {
+        self.is_open = true;
+        self.view.flags.insert(HitFlags::DOUBTFUL);
     }
 
     /// Adds another view; all flags except `DOUBTFUL` are united.
@@ -180,7 +195,7 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::geometry::{KnotVector, NurbsSurface};
+    use crate::geometry::{KnotVector, NurbsSurface, shapes};
     use crate::intersect::{Query, SurfaceBvh};
     use crate::math::Ray;
     use crate::patch::Jet;
@@ -224,6 +239,31 @@ mod tests {
         let mut crossing = Crossing::new(view(1.2, 0.5, HitFlags::DOUBTFUL));
         crossing.join(first);
         assert_eq!((crossing.view.t, crossing.view.flags), (1.0, HitFlags::NONE));
+    }
+
+    #[test]
+    fn two_views_at_the_place_of_a_flatter_third_are_in_doubt() {
+        let planes = [0; 3].map(|_| shapes::plane(1.0, 1.0).unwrap());
+        let bvh = SurfaceBvh::build(&planes).unwrap();
+        // At the borders of three surfaces.
+        let at = |surface: u32, t: f64, cosine: f64| Meeting {
+            surface,
+            piece: surface,
+            st: DVec2::new(0.0, 0.5),
+            ..view(t, cosine, HitFlags::BORDER)
+        };
+        let (first, last) = (at(0, 1.0, 0.5), at(2, 1.0 + 2e-12, 0.5));
+        let flat = at(1, 1.0 + 1e-12, 1e-3);
+        for (views, count, is_doubtful) in [
+            (vec![first, last], 2, false),
+            (vec![first, flat], 1, false),
+            (vec![first, flat, last], 2, true),
+        ] {
+            let mut meetings = views;
+            merge(&mut meetings, bvh.patches().pieces(), DVec3::Z);
+            assert_eq!(meetings.len(), count);
+            assert!(meetings.iter().all(|m| m.is_certain() != is_doubtful), "{meetings:?}");
+        }
     }
 
     /// A tube of one piece, its seam creased or smooth, is met twice by a ray through the seam.

@@ -126,16 +126,10 @@ fn passage<'m>(
         let face = Face { piece, meeting, reach: Reach::around(meeting, axis), axis };
         // Leaves of one piece may see the same corner; and a piece may meet itself.
         let sides = face.sides();
-        let known = faces.iter().find(|&&(known, its)| {
+        let is_known = faces.iter().any(|&(known, its)| {
             known.piece == meeting.piece && its == sides && face.holds(known.st)
         });
-        if let Some((known, _)) = known {
-            // Unless it is at a pole, the face bends by as much as the two places are off: it is no
-            // wedge of a plane.
-            let at_pole = piece.collapsed_sides().any(|(side, _)| sides[side.number()]);
-            if known.cosine * meeting.cosine < 0.0 && !at_pole {
-                return AtVertex::Unknown;
-            }
+        if is_known {
             continue;
         }
         faces.push((meeting, sides));
