@@ -215,8 +215,8 @@ fn integrators() -> impl TypedValueParser<Value = IntegratorKind> {
 RAYS.npy: float64 or float32, of shape (n, 6): origin x y z, direction x y z; or
   (n, 8) with t_min, t_max. The hit point is o + t d with d as given; t is in
   (0, inf) unless the file says otherwise. Rays that go on from hits need a small
-  t_min, 1e-9 of the model's size: else most meet their surface again, or are in
-  doubt.
+  t_min, 1e-9 of the model's size over |d|: else most meet their surface again, or
+  are in doubt.
 HITS.npy: float64, shape (n, 11): t, surface, u, v, x, y, z, nx, ny, nz, flags.
   A miss is NaN in all but flags. surface counts as `nurbray info` lists them;
   (u, v) lies in the surface's own knot domain; the normal is S_u x S_v

@@ -58,8 +58,8 @@ With --json one object:
                  or measured where a sweep is approximated, or proved where a
                  subdivision surface is), patches (null, or of a subdivision
                  surface all, exact), trims (null, or keep, loops,
-                 loops_outside (of these: outside the domain, where they cut
-                 nothing), segments, widest_gap (that was closed between the
+                 loops_outside (as written, that run outside the domain
+                 only), segments, widest_gap (that was closed between the
                  curves of a loop, as a part of its extent), bytes,
                  mixed_leaves: those at an edge)
   total          surfaces, control_points, pieces, leaves, bytes (with the

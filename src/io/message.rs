@@ -35,9 +35,6 @@ const ELSEWHERE: [(&str, &str, &str); 18] = [
     ("plane", "net", "it under [[plot]], above the tables of what it shows"),
 ];
 
-/// Tables of which a scene may have several.
-const SEVERAL: [&str; 4] = ["light", "material", "object", "plot"];
-
 /// Rust types that parsers mention, and their plain names.
 const TYPES: [(&str, &str); 8] = [
     ("f64", "a number"),
@@ -69,13 +66,7 @@ pub(super) fn explain(message: &str, written: &str) -> String {
         return "a number has a digit before its point, as in 0.5".to_owned();
     }
     if message == "duplicate key" {
-        let key = written.trim();
-        return match SEVERAL.contains(&key) {
-            true => format!(
-                "[[{key}]] stands below a table of its own: write [{key}.…] after [[{key}]]"
-            ),
-            false => format!("key \"{key}\" is given twice"),
-        };
+        return format!("key \"{}\" is given twice", written.trim());
     }
     if let Some(said) = one_or_several(message, written.trim()) {
         return said;

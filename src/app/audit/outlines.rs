@@ -9,7 +9,8 @@ use nurbray::geometry::trim::Kept;
 /// The largest distance of polylines from their curves, as a share of the domain's shorter side.
 const TOLERANCE: f64 = 1e-3;
 
-/// How far beside a corner it is asked what is kept there, as a share of the domain.
+/// How far beside a corner it is asked what is kept there, as a share of the domain: less than
+/// polylines' sides are long, and far more than rounding.
 const BESIDE: f64 = 1e-7;
 
 /// The part of a surface that trims keep.
@@ -92,7 +93,8 @@ impl Outlines {
 
     /// Whether a point is a corner of a polyline at which something is kept: in one of the sectors
     /// between the sides that end there, within the domain. A corner on the domain's border may
-    /// have nothing but what is cut off around it, and so may one where loops touch.
+    /// have nothing but what is cut off around it, and so may one where loops touch: there hits
+    /// are neither due nor false.
     pub(crate) fn is_kept_corner(&self, uv: DVec2) -> bool {
         let [low, high] = self.domain_corners();
         let size = high - low;

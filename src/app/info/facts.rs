@@ -58,7 +58,7 @@ pub(super) struct TrimFacts {
     pub(super) kept: Kept,
     /// Loops, copies by periods included.
     pub(super) loops: usize,
-    /// Of these, loops that run outside the domain.
+    /// Loops, as written, that run outside the domain only.
     pub(super) outside: usize,
     /// Monotone segments of all loops.
     pub(super) segments: usize,

@@ -78,8 +78,7 @@ fn trimmed(surfaces: &[SurfaceFacts]) -> String {
             let mut notes = Vec::new();
             if trims.outside > 0 {
                 let loops = count(trims.outside as u64, "loop");
-                let cut = if trims.outside == 1 { "cuts" } else { "cut" };
-                notes.push(format!("{loops} outside the domain {cut} nothing"));
+                notes.push(format!("{loops} outside the domain only"));
             }
             if trims.widest_gap > SEVEN_DIGITS {
                 notes.push(format!("gaps up to {} of a loop closed", Measured(trims.widest_gap)));

@@ -23,10 +23,12 @@ const TOUCH: f64 = 1e-12;
 
 /// Curves that reach into the domain by no more than this fraction of its length, beyond their own
 /// error, lie on its border. What they cut off is so narrow that hits on it count as hits on the
-/// border. (In files with borders and loops of 13 digits they reach in farther.)
+/// border: these may be off by 12 such roundings or more, if the speed is even. (In files with
+/// borders and loops of 13 digits they reach in farther.)
 const ON_BORDER: f64 = 8.0 * UNIT_ROUNDOFF;
 
-/// See [`Trims::outside_loop_count`].
+/// Loops that are farther outside the domain than this part of its length were not meant to run
+/// along its border.
 const OUTSIDE: f64 = 1e-3;
 
 /// Which side of the loops is kept.
@@ -109,6 +111,8 @@ pub struct Trims {
     loops: Vec<Range<usize>>,
     pub(super) tree: Tree,
     widest_gap: f64,
+    /// See [`Trims::outside_loop_count`].
+    outside: usize,
 }
 
 impl Trims {
@@ -155,7 +159,17 @@ impl Trims {
             trim_loop.check_dangling(&domain).map_err(|error| TrimError::Loop { index, error })?;
         }
         let widest_gap = loops.iter().map(TrimLoop::widest_gap).fold(0.0, f64::max);
-        Ok(Self { domain, kept, segments, loops: ranges, tree, widest_gap })
+        let bounds = domain.bounds();
+        let around = bounds.grown(OUTSIDE * bounds.size());
+        let is_within = |segment: &Segment| {
+            segment.bounds().meets(&around) && segment.passing(&around) == Passing::Meets
+        };
+        let mut outside = vec![true; loops.len()];
+        for (range, &owner) in ranges.iter().zip(&owners) {
+            outside[owner] &= !segments[range.clone()].iter().any(is_within);
+        }
+        let outside = outside.into_iter().filter(|&outside| outside).count();
+        Ok(Self { domain, kept, segments, loops: ranges, tree, widest_gap, outside })
     }
 
     /// The domain that is trimmed.
@@ -294,7 +308,7 @@ impl Trims {
         let tree = Tree::new(&segments, &loops);
         let domain = self.domain.reversed_u(new);
         look_for_border(&domain, &mut segments);
-        Self { domain, kept: self.kept, segments, loops, tree, widest_gap: self.widest_gap }
+        Self { domain, segments, loops, tree, ..*self }
     }
 
     /// A rectangle of the domain that contains everything kept: its sides touch the outermost
@@ -321,15 +335,11 @@ impl Trims {
         self.loops.len()
     }
 
-    /// The number of loops that pass by outside the domain, farther from it than a thousandth of
-    /// its length: they cut nothing, which may be a mistake of units.
+    /// The number of loops, as given, that run outside the domain only, farther from it than a
+    /// thousandth of its length: perhaps a mistake of units. They go around all of the domain, or
+    /// around none of it.
     pub fn outside_loop_count(&self) -> usize {
-        let bounds = self.domain.bounds();
-        let around = bounds.grown(OUTSIDE * bounds.size());
-        let is_within = |segment: &Segment| {
-            segment.bounds().meets(&around) && segment.passing(&around) == Passing::Meets
-        };
-        self.loop_segments().filter(|segments| !segments.iter().any(is_within)).count()
+        self.outside
     }
 
     /// The number of monotone segments of all loops.

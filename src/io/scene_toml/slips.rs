@@ -13,6 +13,11 @@ const COMMA_IN_BRACES: &str = "extra comma in inline table, expected `=`";
 const LEADING_ZERO: &str = "unexpected leading zero, expected nothing";
 const LINE_GOES_ON: &str = "unexpected key or value, expected newline, `#`";
 
+const TWICE: &str = "duplicate key";
+
+/// Tables of which a scene may have several.
+const SEVERAL: [&str; 4] = ["light", "material", "object", "plot"];
+
 /// Longer text is not repeated in messages.
 const LONGEST: usize = 40;
 
@@ -31,7 +36,22 @@ pub(super) fn slip(message: &str, text: &str, offset: usize) -> Option<String> {
         },
         COMMA_IN_BRACES => no_brackets(before, after),
         LEADING_ZERO => leading_zero(after),
+        TWICE => table_twice(before, after),
         LINE_GOES_ON => no_brackets(before, after).or_else(|| comma_at_end(before, after)),
+        _ => None,
+    }
+}
+
+/// The message for the header of a table that is given as one and as several.
+fn table_twice(before: &str, after: &str) -> Option<String> {
+    let name: String = after.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+    match before.trim() {
+        "[[" => Some(format!(
+            "[[{name}]] stands below [{name}] or [{name}.…]: write [[{name}]] first, and tables of its own below it"
+        )),
+        "[" if SEVERAL.contains(&&*name) => {
+            Some(format!("[{name}] is given twice: write [[{name}]] for each"))
+        }
         _ => None,
     }
 }

@@ -138,7 +138,17 @@ fn broken_toml() {
         ("[camera]\nup = [0, 0, 1]\nup = [0, 0, 1]", "s.toml:3:1: key \"up\" is given twice"),
         (
             "[object.trims]\nloops = []\n[[object]]\nshape = 'plane'",
-            "s.toml:3:3: [[object]] stands below a table of its own: write [object.…] after [[object]]",
+            "s.toml:3:3: [[object]] stands below [object] or [object.…]: write [[object]] first, and tables of its \
+             own below it",
+        ),
+        (
+            "[object]\nshape = 'plane'\n[object]\nshape = 'sphere'",
+            "s.toml:3:2: [object] is given twice: write [[object]] for each",
+        ),
+        ("[camera]\nup = [0, 0, 1]\n[camera]", "s.toml:3:2: key \"camera\" is given twice"),
+        (
+            "[[object]]\nmaterial = 'a'\nmaterial = 'b'",
+            "s.toml:3:1: key \"material\" is given twice",
         ),
         (
             "[[object]]\nshape = { revolve = { profile = 3 } }",
