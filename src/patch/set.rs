@@ -49,10 +49,14 @@ const MOST_BEZIER_POINTS: usize = 1 << 27;
 pub(crate) struct SetId(NonZeroU32);
 
 impl SetId {
-    /// One that no other set has, unless there were 2³² sets in between.
+    /// One that no other set has, unless there were as many sets in between as there are numbers.
     pub(crate) fn unique() -> Self {
         static NEXT: AtomicU32 = AtomicU32::new(1);
-        Self(NonZeroU32::new(NEXT.fetch_add(1, Ordering::Relaxed)).unwrap_or(NonZeroU32::MAX))
+        loop {
+            if let Some(id) = NonZeroU32::new(NEXT.fetch_add(1, Ordering::Relaxed)) {
+                return Self(id);
+            }
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 
 use super::{PacketScratch, answer_of};
 use crate::intersect::crossings::borders::{at_border, error_bound};
+use crate::intersect::hit::StartIn;
 use crate::intersect::scalar::meeting::{CertainHit, Meeting, occlusion};
 use crate::intersect::wide::{Ahead, LaneHit, Moment, PACKET, ReadAhead, Wanted, trace};
 use crate::intersect::{Answer, HitFlags, Occlusion, Shot, Tracer};
@@ -21,19 +22,20 @@ impl Tracer<'_> {
     ) {
         answers.reserve(shots.len());
         self.packets.packet.clear(0); // what was traced before must not enter the statistics
+        let bvh = self.bvh;
+        let is_alone = |shot: &Q| shot.start_in(&bvh.set).is_some();
         let mut rest = shots;
         let mut near = ReadAhead::default();
         while let Some(first) = rest.first() {
             // Rays that leave a root are traced one by one: the answer for a ray must not depend
             // on its neighbours.
-            if first.start_root().is_some() || self.bvh.leaves.is_empty() {
+            if is_alone(first) || bvh.leaves.is_empty() {
                 answers.push(self.first_hit(first));
                 rest = &rest[1..];
                 continue;
             }
             near.read(rest);
-            let alike =
-                rest.iter().take(PACKET).take_while(|shot| shot.start_root().is_none()).count();
+            let alike = rest.iter().take(PACKET).take_while(|shot| !is_alone(shot)).count();
             let (packet, others) = rest.split_at(alike);
             near.while_tracing(others, Moment::Finish, |ahead| {
                 self.trace_packet(level, packet, ahead, Wanted::First);

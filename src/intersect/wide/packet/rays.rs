@@ -40,8 +40,9 @@ pub(in crate::intersect) struct Packet {
 pub(in crate::intersect::wide) struct LaneRays {
     pub(in crate::intersect::wide) origin: Lanes3,
     pub(super) axis: Lanes3,
-    /// The normals of the two planes through each ray, and whether they have been computed.
+    /// The normals of the two planes through each ray.
     pub(in crate::intersect::wide) normals: [Lanes3; 2],
+    /// Whether these have been computed, here and in f32.
     pub(super) planes_known: bool,
     /// `1 / |d|`.
     pub(super) t_from_z: [f64; PACKET],

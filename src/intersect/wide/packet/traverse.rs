@@ -11,6 +11,7 @@ use super::load::{change_to, load};
 use super::outline::{Outline, outline};
 use super::rays::{Packet, PacketBounds};
 use super::read_ahead::{Ahead, Moment};
+use crate::intersect::hit::StartIn;
 use crate::intersect::tree::nodes::{Child, ChildCode, LANES, LeafBlock, Node, Region};
 use crate::intersect::wide::PACKET;
 use crate::intersect::wide::box_ray::{first_entered, push_in_order};
@@ -76,7 +77,7 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     work.undecided_rays = 0;
     // If the packet before has met something, this one probably does, too; rays that leave a hit
     // meet the box of its leaf.
-    let leaves_hits = shots.first().is_some_and(|shot| shot.start_root().is_some());
+    let leaves_hits = shots.first().is_some_and(|shot| shot.start_in(view.set).is_some());
     if packet.met() == 0 && !leaves_hits && meets_nothing(simd, view, shots, work) {
         return packet.clear(shots.len());
     }
