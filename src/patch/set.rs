@@ -45,8 +45,15 @@ const MOST_BEZIER_POINTS: usize = 1 << 27;
 /// or be mistaken for hits of another. Copies of a set are that set.
 ///
 /// Not zero, so that an absent root takes no more memory than a present one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) struct SetId(NonZeroU32);
+
+/// Not the number, which depends on what else was made.
+impl fmt::Debug for SetId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("SetId")
+    }
+}
 
 impl SetId {
     /// One that no other set has, unless there were as many sets in between as there are numbers.

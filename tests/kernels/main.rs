@@ -209,14 +209,17 @@ fn it_is_the_same_whether_bezier_points_are_kept_or_made() {
         assert!(less + 200_000 < more, "{less} of {more}");
         assert_eq!(made.bvh.leaves().len(), kept.bvh.leaves().len());
         for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
-            let same = |queries: &[Query], what: &str| {
-                let answers = [&made.bvh, &kept.bvh].map(|bvh| {
+            // The same rays for both; those that leave a hit leave one of the same hierarchy.
+            let same = |of_both: [&[Query]; 2], what: &str| {
+                let both = || [(&made.bvh, of_both[0]), (&kept.bvh, of_both[1])];
+                let answers = both().map(|(bvh, queries)| {
                     let mut answers = one_by_one(bvh, kernel, queries);
                     for coherence in [Coherence::Coherent, Coherence::Incoherent] {
                         answers.extend(trace(bvh, kernel, coherence, queries));
                     }
                     answers
                 });
+                let queries = of_both[0];
                 let [a, b] = &answers;
                 for (k, (a, b)) in a.iter().zip(b).enumerate() {
                     if kernel == Kernel::Scalar && low {
@@ -225,16 +228,30 @@ fn it_is_the_same_whether_bezier_points_are_kept_or_made() {
                         compare(&made, kernel, &queries[k % queries.len()], (a, b));
                     }
                 }
-                let [a, b] = [&made.bvh, &kept.bvh].map(|bvh| occlusions(bvh, kernel, queries));
+                let [a, b] = both().map(|(bvh, queries)| occlusions(bvh, kernel, queries));
                 for ((query, a), b) in queries.iter().zip(&a).zip(&b) {
                     let same = a == b || !low && (a.doubtful || b.doubtful);
                     assert!(same, "{degree:?}, {kernel}, {what}: {query:?}\n{a:?}\n{b:?}");
                 }
                 answers
             };
-            let [answers, _] = same(&queries, "rays from outside");
-            assert!(hits(&answers) > 1000);
-            same(&leaving(&answers[..queries.len()], 1.5, &mut random), "rays that leave a hit");
+            let [of_made, of_kept] = same([&queries, &queries], "rays from outside");
+            assert!(hits(&of_made) > 1000);
+            let is_left = |a: &Answer| a.hit.is_some_and(|hit| hit.normal.is_finite());
+            let (of_made, of_kept): (Vec<Answer>, Vec<Answer>) = of_made[..queries.len()]
+                .iter()
+                .zip(&of_kept)
+                .filter(|(a, b)| is_left(a) && is_left(b))
+                .unzip();
+            let leaving = leaving(&of_made, 1.5, &mut random);
+            let (of_made, of_kept): (Vec<Query>, Vec<Query>) = leaving
+                .iter()
+                .zip(&of_kept)
+                .map(|(query, other)| (*query, Query::leaving(*query.ray(), &other.hit.unwrap())))
+                .filter(|(a, b)| a.start_root().is_some() && b.start_root().is_some())
+                .unzip();
+            assert!(of_made.len() > 1000);
+            same([&of_made, &of_kept], "rays that leave a hit");
         }
     }
 }
