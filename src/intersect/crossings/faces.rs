@@ -22,8 +22,9 @@ const LEAST_SINE: f64 = 1e-8;
 
 /// A ray through a pole nearly touches the surface around it if some vector that leads away from
 /// the pole, as seen along the ray, is shorter than this part of the longest: it goes through the
-/// surface once more beside the pole, perhaps too near to be told from it. Measured on pointed
-/// lenses: where the angle is up to some 1e-7, counts would be odd.
+/// surface once more beside the pole, perhaps too near to be told from it. Measured on a pointed
+/// lens, with directions off by about 1e-9 and 1e-6: without this, 4674 and 378 of 20,000 rays were
+/// counted oddly without doubt, with it none.
 const LEAST_ACROSS: f64 = 1e-6;
 
 /// A piece of a surface, where a ray meets it.

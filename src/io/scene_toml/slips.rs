@@ -12,7 +12,6 @@ const NO_VALUE_IN_BRACES: &str = "invalid literal string, expected `'`";
 const COMMA_IN_BRACES: &str = "extra comma in inline table, expected `=`";
 const LEADING_ZERO: &str = "unexpected leading zero, expected nothing";
 const LINE_GOES_ON: &str = "unexpected key or value, expected newline, `#`";
-
 const TWICE: &str = "duplicate key";
 
 /// Tables of which a scene may have several.
