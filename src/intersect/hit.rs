@@ -239,7 +239,7 @@ pub trait Shot: sealed::Sealed {
 }
 
 /// The root of these surfaces that a ray starts on: a root of other surfaces is none.
-pub(in crate::intersect) trait StartIn: Shot {
+pub(crate) trait StartIn: Shot {
     /// See [`StartIn`].
     #[inline(always)]
     fn start_in(&self, set: &PatchSet) -> Option<&Root> {

@@ -126,7 +126,7 @@ pub(crate) fn check_moved(
 }
 
 /// A path to search for folds: a chain of rational Bézier pieces.
-pub(in crate::geometry) struct Course {
+pub(crate) struct Course {
     pieces: Vec<CoursePiece>,
     closed: bool,
     /// The size of the box around its control points, and their largest coordinate.
@@ -230,7 +230,7 @@ impl Course {
 
     /// A closed chain of Bézier pieces, given by their homogeneous control points; piece `k` spans
     /// the parameters from `k` to `k + 1`.
-    pub(in crate::geometry) fn closed(pieces: impl Iterator<Item = Vec<DVec4>>) -> Self {
+    pub(crate) fn closed(pieces: impl Iterator<Item = Vec<DVec4>>) -> Self {
         let piece = |(k, control)| CoursePiece { domain: (k as f64, (k + 1) as f64), control };
         let pieces: Vec<_> = pieces.enumerate().map(piece).collect();
         let points = pieces.iter().flat_map(|piece| &piece.control).map(|c| c.xyz() / c.w);
@@ -239,7 +239,7 @@ impl Course {
     }
 
     /// The point at a parameter.
-    pub(in crate::geometry) fn point_at(&self, t: f64) -> DVec3 {
+    pub(crate) fn point_at(&self, t: f64) -> DVec3 {
         let last = self.pieces.len() - 1;
         let piece =
             &self.pieces[self.pieces.partition_point(|piece| piece.domain.1 <= t).min(last)];
@@ -304,7 +304,7 @@ impl Course {
     }
 
     /// The places where the course turns round and runs back, in order.
-    pub(in crate::geometry) fn folds(&self) -> Vec<Fold> {
+    pub(crate) fn folds(&self) -> Vec<Fold> {
         let mut folds = Vec::new();
         let mut first: Option<Stretch<'_>> = None;
         let mut before: Option<Stretch<'_>> = None;

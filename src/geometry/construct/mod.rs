@@ -60,7 +60,7 @@ pub use component::{Component, ComponentKind};
 pub use coons::{Borders, CoonsCorner, coons};
 pub use drawing::Drawing;
 pub use error::{ConstructError, DirectionOf};
-pub(in crate::geometry) use fold::Course;
+pub(crate) use fold::Course;
 pub use loft::{LOFT_DEGREE, Loft, loft};
 pub use net::{ControlNet, NetStyle, control_net};
 pub use revolve::{Axis, revolve};

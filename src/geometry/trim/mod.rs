@@ -55,7 +55,7 @@ pub use curve::{MAX_TRIM_POINTS, TrimCurve};
 pub use domain::TrimDomain;
 pub use error::{TrimCurveError, TrimError, TrimLoopError};
 pub use lobes::LOBE_TOLERANCE;
-pub(in crate::geometry) use stretches::EdgePiece;
+pub(crate) use stretches::EdgePiece;
 pub use trim_loop::{JOINT_TOLERANCE, SEAM_TOLERANCE, TrimLoop};
 pub use trims::{Coverage, Kept, MAX_TRIM_SEGMENTS, Side, Trims};
 pub use uv_box::UvBox;

@@ -10,9 +10,9 @@ use crate::math::bernstein::restrict;
 
 /// A piece of a trim edge, cut at given lines so that it crosses none of them.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::geometry) struct EdgePiece {
+pub(crate) struct EdgePiece {
     /// Its homogeneous control points `(w u, w v, w)`, in the direction of the loop.
-    pub(in crate::geometry) control: Vec<DVec3>,
+    pub control: Vec<DVec3>,
 }
 
 impl Trims {
@@ -92,7 +92,7 @@ impl Trims {
     /// pieces whose two sides are alike. No piece crosses a line of constant parameter among `cuts`
     /// (in u, in v); all pieces of a loop have the same degree. A loop that is never cut by the
     /// domain's border is one chain, whose last piece ends where the first begins.
-    pub(in crate::geometry) fn edge_chains(&self, cuts: [&[f64]; 2]) -> Vec<Vec<EdgePiece>> {
+    pub(crate) fn edge_chains(&self, cuts: [&[f64]; 2]) -> Vec<Vec<EdgePiece>> {
         let bounds = self.domain().bounds();
         let mut chains = Vec::new();
         for segments in self.loop_segments() {
@@ -166,7 +166,7 @@ fn elevated(control: &[DVec3]) -> Vec<DVec3> {
 
 impl EdgePiece {
     /// The point in the middle of its parameter, which lies between all lines it was cut at.
-    pub(in crate::geometry) fn middle(&self) -> DVec2 {
+    pub(crate) fn middle(&self) -> DVec2 {
         let mut half = self.control.clone();
         restrict(&mut half, 0.5, 1.0);
         euclidean(half[0])
@@ -174,7 +174,7 @@ impl EdgePiece {
 
     /// The control points in the unit coordinates `[0, 1]²` of the cell of the domain from `low` to
     /// `high` that contains the piece.
-    pub(in crate::geometry) fn within(&self, low: DVec2, high: DVec2) -> Vec<DVec3> {
+    pub(crate) fn within(&self, low: DVec2, high: DVec2) -> Vec<DVec3> {
         let local = |c: &DVec3| ((c.xy() - c.z * low) / (high - low)).extend(c.z);
         self.control.iter().map(local).collect()
     }

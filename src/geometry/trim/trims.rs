@@ -295,7 +295,7 @@ impl Trims {
     /// The same loops on the domain run backwards in u; `new` is its range afterwards, of the same
     /// length.
     #[must_use]
-    pub(in crate::geometry) fn reversed_u(&self, new: [f64; 2]) -> Self {
+    pub(crate) fn reversed_u(&self, new: [f64; 2]) -> Self {
         let [range, _] = self.domain.range();
         let (mut segments, mut loops) = (Vec::with_capacity(self.segments.len()), Vec::new());
         for segments_of_loop in self.loop_segments() {

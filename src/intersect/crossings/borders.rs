@@ -11,12 +11,12 @@ use crate::math::RayFrame;
 use crate::patch::{BORDER_REACH, Jet, Leaf, Piece, WIDENING};
 
 /// Error bound of a computed point of the piece, for this ray, in scene units.
-pub(in crate::intersect) fn error_bound(piece: &Piece, ray: &RayFrame) -> f64 {
+pub(crate) fn error_bound(piece: &Piece, ray: &RayFrame) -> f64 {
     piece.patch.error_bound(ray.magnitude)
 }
 
 /// The [`error_bound`] of a piece whose coordinates are no larger than those of `point`.
-pub(in crate::intersect) fn rounding_at(point: DVec3, piece: &Piece, ray: &RayFrame) -> f64 {
+pub(crate) fn rounding_at(point: DVec3, piece: &Piece, ray: &RayFrame) -> f64 {
     piece.patch.residual_factor() * point.abs().max_element().max(ray.magnitude)
 }
 
@@ -27,7 +27,7 @@ pub(in crate::intersect) fn rounding_at(point: DVec3, piece: &Piece, ray: &RayFr
 /// has moved far outside in one parameter is near the border for another value of the
 /// other parameter. Where the ray runs inside the surface, the end of the stretch may be
 /// well outside, and the ray may cross the border far from there.
-pub(in crate::intersect) fn on_piece(piece: &Piece, ray: &RayFrame, st: DVec2) -> DVec2 {
+pub(crate) fn on_piece(piece: &Piece, ray: &RayFrame, st: DVec2) -> DVec2 {
     let nearest = st.clamp(DVec2::ZERO, DVec2::ONE);
     let residual = |st: DVec2| ray.distance(piece.patch.point(st));
     match [nearest.x != st.x, nearest.y != st.y] {
@@ -75,14 +75,14 @@ const AT_RAY: f64 = 0.25;
 
 /// A trim edge counts as near within this many times the error bound of a hit: the edge itself is
 /// on a surface known to rounding, and the edge it is shared with is on another.
-pub(in crate::intersect) const TRIM_REACH: f64 = 4.0;
+pub(crate) const TRIM_REACH: f64 = 4.0;
 
 /// Two searches that are about equally exact find one root within twice the error: a root at a trim
 /// edge by one search is within this many times the reach of the edge by the other.
-pub(in crate::intersect) const TRIM_SPARE: f64 = 2.0;
+pub(crate) const TRIM_SPARE: f64 = 2.0;
 
 /// The side of its surface's trims on which a root of a leaf lies.
-pub(in crate::intersect) fn trim_side(
+pub(crate) fn trim_side(
     leaf: &Leaf,
     piece: &Piece,
     (st, jet): (DVec2, &Jet),
@@ -108,7 +108,7 @@ pub(in crate::intersect) fn trim_side(
 /// A step in `s` alone moves the point by `|S_s|`; among steps in `s` and `t` the part of `s` is
 /// at most the distance over `|S_s| sin θ`, with `θ` the angle between the tangents. At a pole
 /// one tangent vanishes, and its parameter may be anything.
-pub(in crate::intersect) fn trim_reach(jet: &Jet, error: f64) -> DVec2 {
+pub(crate) fn trim_reach(jet: &Jet, error: f64) -> DVec2 {
     let lengths = DVec2::new(jet.ds.length(), jet.dt.length());
     let sine = jet.ds.cross(jet.dt).length() / (lengths.x * lengths.y);
     let sine = if sine > 0.0 { sine } else { 1.0 }; // also where it is not a number
@@ -116,7 +116,7 @@ pub(in crate::intersect) fn trim_reach(jet: &Jet, error: f64) -> DVec2 {
 }
 
 /// Whether a point lies within rounding of a side that is a border of the surface.
-pub(in crate::intersect) fn at_border(piece: &Piece, st: DVec2, jet: &Jet, error: f64) -> bool {
+pub(crate) fn at_border(piece: &Piece, st: DVec2, jet: &Jet, error: f64) -> bool {
     let distances = piece.side_distances(st, jet);
     (0..4).any(|side| piece.is_border(side) && distances[side] <= BORDER_REACH * error)
 }

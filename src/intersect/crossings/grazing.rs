@@ -14,12 +14,12 @@ use crate::patch::{Jet, Piece};
 
 /// How well a root is known.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::intersect) struct KnownRoot<'a> {
-    pub(in crate::intersect) ray: &'a RayFrame,
+pub(crate) struct KnownRoot<'a> {
+    pub ray: &'a RayFrame,
     /// How far its point may be from the ray.
-    pub(in crate::intersect) error: f64,
+    pub error: f64,
     /// How far it may be off along the ray.
-    pub(in crate::intersect) along: f64,
+    pub along: f64,
 }
 
 /// Roots whose error bound along the ray is more than this many times the one across it are treated

@@ -12,24 +12,24 @@ use crate::patch::{CollapsedSide, Jet, PatchSet, Piece};
 
 /// A place on a piece of a surface.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::intersect) struct Spot<'a> {
+pub(crate) struct Spot<'a> {
     /// The piece's number, and the piece.
-    pub(in crate::intersect) index: u32,
-    pub(in crate::intersect) piece: &'a Piece,
-    pub(in crate::intersect) st: DVec2,
-    pub(in crate::intersect) jet: Jet,
+    pub index: u32,
+    pub piece: &'a Piece,
+    pub st: DVec2,
+    pub jet: Jet,
 }
 
 impl<'a> Spot<'a> {
     /// The normal there, if there is one, and its cosine with the ray's direction, else 0.
-    pub(in crate::intersect) fn normal_along(&self, ray: &RayFrame) -> (Option<DVec3>, f64) {
+    pub(crate) fn normal_along(&self, ray: &RayFrame) -> (Option<DVec3>, f64) {
         let normal = self.piece.normal(self.st, &self.jet);
         (normal, normal.map_or(0.0, |normal| normal.dot(ray.axis)))
     }
 
     /// The nearest place along a collapsed side that trims keep, perhaps on another piece that ends
     /// in the same pole; `None` if there is none, or if it is farther than `allowed` from the ray.
-    pub(in crate::intersect) fn kept(
+    pub(crate) fn kept(
         &self,
         set: &'a PatchSet,
         side: CollapsedSide,

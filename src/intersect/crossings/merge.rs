@@ -20,7 +20,7 @@ use crate::patch::Piece;
 /// A ray that passes a convex edge on its outside, within rounding, may be said to enter and to
 /// leave there, or to do neither. Where only one of the two sides was near enough, its meeting is
 /// doubtful.
-pub(in crate::intersect) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
+pub(crate) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
     meetings.sort_by(Meeting::order);
     join_stretches(meetings);
     vertices::settle(meetings, pieces, axis);

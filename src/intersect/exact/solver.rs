@@ -69,19 +69,19 @@ pub(crate) const AT_POLE: f64 = 2.0;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Problem<'a> {
     /// The piece the leaf belongs to.
-    pub(crate) patch: &'a TensorPatch,
+    pub patch: &'a TensorPatch,
     /// The rectangle to search, in the piece's parameters: the leaf and at least its slack.
-    pub(crate) rect: Rect,
+    pub rect: Rect,
     /// A root is wanted only if it lies in this rectangle, to within its slack.
-    pub(crate) wanted: Rect,
+    pub wanted: Rect,
     /// The side at which the rectangle ends in a point.
-    pub(crate) collapsed: Option<CollapsedSide>,
+    pub collapsed: Option<CollapsedSide>,
     /// The ray.
-    pub(crate) ray: &'a RayFrame,
+    pub ray: &'a RayFrame,
     /// How far computed points may be from the true ones.
-    pub(crate) error: f64,
+    pub error: f64,
     /// The range of `z` of interest.
-    pub(crate) z_range: [f64; 2],
+    pub z_range: [f64; 2],
 }
 
 /// How a solution is known.
@@ -112,8 +112,8 @@ impl Proof {
 /// A place where the ray meets the leaf.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Solution {
-    pub(crate) st: DVec2,
-    pub(crate) proof: Proof,
+    pub st: DVec2,
+    pub proof: Proof,
 }
 
 /// Scratch memory of the exact solver; one for each thread.
@@ -140,7 +140,7 @@ pub(crate) struct ExactSolver {
     /// 12, compared with exact fractions, none was off by half of that.
     error: f64,
     /// Boxes looked at since the solver was made.
-    pub(crate) boxes: u64,
+    pub boxes: u64,
 }
 
 /// A box that may hold the end of a stretch.

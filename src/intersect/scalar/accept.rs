@@ -306,7 +306,7 @@ fn may_touch(leaf: &Leaf, jet: &Jet, cosine: f64, error: f64) -> bool {
 
 /// A leaf is met only by rays within this many errors of it: a stretch along which a ray runs
 /// inside the leaf may be off by that much.
-pub(in crate::intersect) const AROUND: f64 = 4.0;
+pub(crate) const AROUND: f64 = 4.0;
 
 /// A root at a trim edge is doubtful if its error along the ray is more than this many times the
 /// error across it, that is, if the ray is within 1e-5 of the tangent plane: the hit may be off the

@@ -20,7 +20,7 @@ use crate::patch::{CollapsedSide, LEAF_SLACK, Leaf, Passage, Piece, WIDENING};
 /// meeting if it lies in the leaf or its slack; if it lies outside, the leaf is proved to be
 /// missed. The leaf is also missed where a step from beyond it surely leads farther away.
 /// `z_limit` is the distance along the ray up to which anything is of interest.
-pub(in crate::intersect) fn search(
+pub(crate) fn search(
     question: &Question<'_>,
     place: &PlacedLeaf<'_>,
     passage: &Passage,
@@ -68,7 +68,7 @@ pub(in crate::intersect) fn search(
 /// Searches a leaf the exact way: all roots by subdivision, whatever the certificate says. `from`
 /// is the result of
 /// [`met_from`]: if it is `None`, only proved roots count.
-pub(in crate::intersect) fn search_exactly(
+pub(crate) fn search_exactly(
     question: &Question<'_>,
     place: &PlacedLeaf<'_>,
     from: Option<f64>,
@@ -133,11 +133,7 @@ pub(in crate::intersect) fn search_exactly(
 /// The distance along the ray from which on it may meet a leaf, or pass it within rounding: not
 /// before it enters the leaf's box, nor before the nearest control point. `None` if the ray passes
 /// by the control points' hull.
-pub(in crate::intersect) fn met_from(
-    place: &PlacedLeaf<'_>,
-    passage: &Passage,
-    ray: &RayFrame,
-) -> Option<f64> {
+pub(crate) fn met_from(place: &PlacedLeaf<'_>, passage: &Passage, ray: &RayFrame) -> Option<f64> {
     let (hull, error) = (Hull::of(place.leaf, place.piece, ray), error_bound(place.piece, ray));
     let nearest = hull.nearest_z().max(passage.entry) - error;
     (!hull.is_passed_by(AROUND * error)).then_some(nearest.max(ray.z_range[0]))

@@ -14,37 +14,37 @@ use crate::patch::{Jet, Leaf, OrientedBox, Passage, PatchSet, Piece, ScaledFrame
 
 /// A place where a ray meets a leaf.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::intersect) struct Meeting {
+pub(crate) struct Meeting {
     /// The ray parameter.
-    pub(in crate::intersect) t: f64,
+    pub t: f64,
     /// Error bounds of `t`, and of the distance along the ray in scene units.
-    pub(in crate::intersect) t_error: f64,
-    pub(in crate::intersect) z_error: f64,
-    pub(in crate::intersect) surface: u32,
-    pub(in crate::intersect) piece: u32,
-    pub(in crate::intersect) st: DVec2,
-    pub(in crate::intersect) jet: Jet,
+    pub t_error: f64,
+    pub z_error: f64,
+    pub surface: u32,
+    pub piece: u32,
+    pub st: DVec2,
+    pub jet: Jet,
     /// The unit normal, where there is one.
-    pub(in crate::intersect) normal: Option<DVec3>,
-    pub(in crate::intersect) flags: HitFlags,
+    pub normal: Option<DVec3>,
+    pub flags: HitFlags,
     /// How far the surface's point may be from the ray.
-    pub(in crate::intersect) error: f64,
+    pub error: f64,
     /// How far the point may be from the trim edge it is at; zero elsewhere.
-    pub(in crate::intersect) edge: f64,
+    pub edge: f64,
     /// The cosine between the ray and the normal, signed; zero where there is no normal.
-    pub(in crate::intersect) cosine: f64,
+    pub cosine: f64,
     /// The stretch along which the ray runs inside the surface, as ray parameters.
-    pub(in crate::intersect) stretch: Option<[f64; 2]>,
+    pub stretch: Option<[f64; 2]>,
     /// Whether the ray passes a side of the piece, or an edge of its trims, on the outside, by more
     /// than the rounding of a ray aimed at it.
-    pub(in crate::intersect) beyond: bool,
+    pub beyond: bool,
 }
 
 impl Meeting {
     /// Which of two comes first: the nearer one, of those at one `t` that on the surface, then the
     /// piece that was given first, and last by the place on the piece, so that the order of the
     /// search does not matter.
-    pub(in crate::intersect) fn order(&self, other: &Self) -> Ordering {
+    pub(crate) fn order(&self, other: &Self) -> Ordering {
         let place = |m: &Self| (m.surface, m.piece);
         let by_piece = self.t.total_cmp(&other.t).then_with(|| place(self).cmp(&place(other)));
         let (a, b) = (self.st, other.st);
@@ -52,27 +52,27 @@ impl Meeting {
     }
 
     /// Whether floating point has decided that the ray meets the leaf here.
-    pub(in crate::intersect) fn is_certain(&self) -> bool {
+    pub(crate) fn is_certain(&self) -> bool {
         !self.flags.contains(HitFlags::DOUBTFUL)
     }
 }
 
 /// A hit that is certain, as the fast kernels find it.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::intersect) struct CertainHit {
-    pub(in crate::intersect) t: f64,
+pub(crate) struct CertainHit {
+    pub t: f64,
     /// Error bound of the distance along the ray, in scene units.
-    pub(in crate::intersect) z_error: f64,
-    pub(in crate::intersect) piece: u32,
-    pub(in crate::intersect) st: DVec2,
-    pub(in crate::intersect) jet: Jet,
-    pub(in crate::intersect) normal: Option<DVec3>,
-    pub(in crate::intersect) flags: HitFlags,
+    pub z_error: f64,
+    pub piece: u32,
+    pub st: DVec2,
+    pub jet: Jet,
+    pub normal: Option<DVec3>,
+    pub flags: HitFlags,
 }
 
 impl CertainHit {
     /// The meeting as the scalar search would have found it; `piece` is the hit's piece.
-    pub(in crate::intersect) fn meeting(self, piece: &Piece, frame: &RayFrame) -> Meeting {
+    pub(crate) fn meeting(self, piece: &Piece, frame: &RayFrame) -> Meeting {
         let Self { t, z_error, st, jet, normal, flags, .. } = self;
         Meeting {
             t,
@@ -95,10 +95,7 @@ impl CertainHit {
 
 /// The answer of an any-hit search that found these meetings; `doubt` is the smallest ray parameter
 /// at which something may have been missed.
-pub(in crate::intersect) fn occlusion<'m>(
-    meetings: impl Iterator<Item = &'m Meeting>,
-    doubt: f64,
-) -> Occlusion {
+pub(crate) fn occlusion<'m>(meetings: impl Iterator<Item = &'m Meeting>, doubt: f64) -> Occlusion {
     let (mut occluded, mut certain) = (false, false);
     for meeting in meetings {
         occluded = true;
@@ -110,23 +107,19 @@ pub(in crate::intersect) fn occlusion<'m>(
 
 /// Everything a search of leaves needs to know about a query.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::intersect) struct Question<'a> {
-    pub(in crate::intersect) set: &'a PatchSet,
-    pub(in crate::intersect) ray: &'a RayFrame,
-    pub(in crate::intersect) t_range: [f64; 2],
-    pub(in crate::intersect) from: Option<&'a Root>,
+pub(crate) struct Question<'a> {
+    pub set: &'a PatchSet,
+    pub ray: &'a RayFrame,
+    pub t_range: [f64; 2],
+    pub from: Option<&'a Root>,
     /// Whether all hits are wanted: then a root just beyond a trim edge, which another search may
     /// have found at the edge, is doubtful.
-    pub(in crate::intersect) all_hits: bool,
+    pub all_hits: bool,
 }
 
 impl<'a> Question<'a> {
     /// A query about these pieces; `ray` is its frame.
-    pub(in crate::intersect) fn new(
-        set: &'a PatchSet,
-        query: &'a Query,
-        ray: &'a RayFrame,
-    ) -> Self {
+    pub(crate) fn new(set: &'a PatchSet, query: &'a Query, ray: &'a RayFrame) -> Self {
         let t_range = [query.ray.t_min(), query.ray.t_max()];
         Self { set, ray, t_range, from: query.start_in(set), all_hits: false }
     }
@@ -134,16 +127,16 @@ impl<'a> Question<'a> {
 
 /// A leaf, with its box and its piece.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::intersect) struct PlacedLeaf<'a> {
-    pub(in crate::intersect) leaf: &'a Leaf,
-    pub(in crate::intersect) oriented: &'a OrientedBox,
-    pub(in crate::intersect) piece: &'a Piece,
+pub(crate) struct PlacedLeaf<'a> {
+    pub leaf: &'a Leaf,
+    pub oriented: &'a OrientedBox,
+    pub piece: &'a Piece,
 }
 
 impl PlacedLeaf<'_> {
     /// The ray's passage through the leaf's box, if the ray may meet the leaf, to within rounding,
     /// between the start of its range and `limit`, both in scene units along the ray.
-    pub(in crate::intersect) fn passage(
+    pub(crate) fn passage(
         &self,
         ray: &RayFrame,
         scaled: &ScaledFrame,
@@ -189,11 +182,11 @@ const CLEAR_SIDE: f64 = 1e-4;
 
 /// What a search found, and its scratch memory.
 #[derive(Debug, Default)]
-pub(in crate::intersect) struct Findings {
-    pub(in crate::intersect) meetings: Vec<Meeting>,
+pub(crate) struct Findings {
+    pub meetings: Vec<Meeting>,
     /// The smallest ray parameter at which something may have been missed.
-    pub(in crate::intersect) doubt: f64,
-    pub(in crate::intersect) statistics: Statistics,
+    pub doubt: f64,
+    pub statistics: Statistics,
     /// Boxes the exact solver has looked at for this ray, weighted by cost; to be set to zero for
     /// the next ray.
     pub(super) effort: u64,
@@ -203,14 +196,14 @@ pub(in crate::intersect) struct Findings {
 
 impl Findings {
     /// Forgets what was found, but keeps memory and statistics.
-    pub(in crate::intersect) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.meetings.clear();
         self.doubt = f64::INFINITY;
         self.effort = 0;
     }
 
     /// The answer of an any-hit search that found this.
-    pub(in crate::intersect) fn occlusion(&mut self) -> Occlusion {
+    pub(crate) fn occlusion(&mut self) -> Occlusion {
         let occlusion = occlusion(self.meetings.iter(), self.doubt);
         self.statistics.count_doubt(occlusion.doubtful);
         occlusion

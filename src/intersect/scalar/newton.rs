@@ -45,10 +45,10 @@ pub(super) struct Grounds {
 /// The margin on each product of the residual with an axis, as a share of the residual: far more
 /// than what rounding changes, of a residual that is [`CLEAR`] of the error, of the point that it
 /// is compared with, or of axes in f32.
-pub(in crate::intersect) const SURELY: f64 = 1e-3;
+pub(crate) const SURELY: f64 = 1e-3;
 
 /// A miss is only proved from residuals more than this many times the error.
-pub(in crate::intersect) const CLEAR: f64 = 1e4;
+pub(crate) const CLEAR: f64 = 1e4;
 
 impl Grounds {
     /// Whether the step `−delta` from `st` proves that the leaf is missed; `f` is the residual.
@@ -135,6 +135,6 @@ pub(super) fn newton(
 }
 
 /// The components of a vector along the normals of the ray's two planes.
-pub(in crate::intersect) fn project(ray: &RayFrame, v: DVec3) -> DVec2 {
+pub(crate) fn project(ray: &RayFrame, v: DVec3) -> DVec2 {
     DVec2::new(ray.normals[0].dot(v), ray.normals[1].dot(v))
 }

@@ -15,7 +15,7 @@ impl Tree {
     /// begins before that is visited, and no node's entry is computed later than the true one: so a
     /// result that is the least of all does not depend on the tree. Returns the number of nodes
     /// looked at.
-    pub(in crate::intersect) fn traverse(
+    pub(crate) fn traverse(
         &self,
         ray: &RayFrame,
         stack: &mut Vec<(f64, ChildCode)>,

@@ -9,7 +9,7 @@ use crate::intersect::coherence::leaf_width;
 use crate::patch::{Leaf, MOST_TOGETHER, OrientedBox, ScaledBox, ScaledFrame};
 
 /// The most children of a node, and the most leaves in a block: the lanes of a vector of f32.
-pub(in crate::intersect) const LANES: usize = 16;
+pub(crate) const LANES: usize = 16;
 const _: () = assert!(MOST_TOGETHER <= LANES, "leaves that are kept together fit into a block");
 
 /// The highest two bits of a [`ChildCode`] say what its index counts.
@@ -20,7 +20,7 @@ const BACK: u32 = 3 << 30;
 
 /// What a ray comes to next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::intersect) enum Child {
+pub(crate) enum Child {
     Node(u32),
     Block(u32),
     /// A [`Region`] of the scene, in whose coordinates the search goes on.
@@ -29,7 +29,7 @@ pub(in crate::intersect) enum Child {
 
 /// How a ray comes to a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::intersect) enum Way {
+pub(crate) enum Way {
     /// From the region around it.
     In,
     /// From a region inside it that is done.
@@ -38,10 +38,10 @@ pub(in crate::intersect) enum Way {
 
 /// A [`Child`] as a number.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::intersect) struct ChildCode(u32);
+pub(crate) struct ChildCode(u32);
 
 impl ChildCode {
-    pub(in crate::intersect) fn new(child: Child) -> Self {
+    pub(crate) fn new(child: Child) -> Self {
         let (index, what) = match child {
             Child::Node(index) => (index, NODE),
             Child::Block(index) => (index, BLOCK),
@@ -54,22 +54,22 @@ impl ChildCode {
 
     /// The number of the node, block or region.
     #[inline(always)]
-    pub(in crate::intersect) fn index(self) -> u32 {
+    pub(crate) fn index(self) -> u32 {
         self.0 & (REGION - 1)
     }
 
     #[inline(always)]
-    pub(in crate::intersect) fn is_node(self) -> bool {
+    pub(crate) fn is_node(self) -> bool {
         self.0 & BACK == NODE
     }
 
     #[inline(always)]
-    pub(in crate::intersect) fn is_block(self) -> bool {
+    pub(crate) fn is_block(self) -> bool {
         self.0 & BACK == BLOCK
     }
 
     #[inline(always)]
-    pub(in crate::intersect) fn child(self) -> Child {
+    pub(crate) fn child(self) -> Child {
         let index = self.index();
         match self.0 & BACK {
             NODE => Child::Node(index),
@@ -86,14 +86,14 @@ impl ChildCode {
 /// direction, every ray enters them after it has left them.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(in crate::intersect) struct Node {
+pub(crate) struct Node {
     /// The lower and the upper planes of the first coordinate, of the second, of the third.
-    pub(in crate::intersect) planes: [[[f32; LANES]; 2]; 3],
-    pub(in crate::intersect) child: [ChildCode; LANES],
+    pub planes: [[[f32; LANES]; 2]; 3],
+    pub child: [ChildCode; LANES],
 }
 
 impl Node {
-    pub(in crate::intersect) fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         let nowhere = [[f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]];
         Self { planes: [nowhere; 3], child: [ChildCode::default(); LANES] }
     }
@@ -107,7 +107,7 @@ impl Node {
     }
 
     /// The indices of the children that exist.
-    pub(in crate::intersect) fn filled(&self) -> impl Iterator<Item = usize> {
+    pub(crate) fn filled(&self) -> impl Iterator<Item = usize> {
         (0..LANES).filter(|&k| self.planes[0][0][k] <= self.planes[0][1][k])
     }
 }
@@ -116,8 +116,8 @@ impl Node {
 /// Unused lanes mean nothing.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(in crate::intersect) struct LeafBlock {
-    pub(in crate::intersect) rows: [[f32; LANES]; 12],
+pub(crate) struct LeafBlock {
+    pub rows: [[f32; LANES]; 12],
 }
 
 impl LeafBlock {
@@ -133,7 +133,7 @@ impl LeafBlock {
 
     /// The box of one leaf.
     #[inline(always)]
-    pub(in crate::intersect) fn oriented(&self, lane: usize) -> OrientedBox {
+    pub(crate) fn oriented(&self, lane: usize) -> OrientedBox {
         let mut oriented = OrientedBox { rows: [[0.0; 4]; 3] };
         for k in 0..3 {
             for i in 0..4 {
@@ -146,15 +146,15 @@ impl LeafBlock {
 
 /// The leaves of a block: the first, and how many there are.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::intersect) struct BlockLeaves {
-    pub(in crate::intersect) first: u32,
-    pub(in crate::intersect) count: usize,
+pub(crate) struct BlockLeaves {
+    pub first: u32,
+    pub count: usize,
 }
 
 impl BlockLeaves {
     /// The bits of `lanes` that stand for leaves: unused lanes mean nothing.
     #[inline(always)]
-    pub(in crate::intersect) fn of(self, lanes: u32) -> u32 {
+    pub(crate) fn of(self, lanes: u32) -> u32 {
         lanes & ((1 << self.count) - 1)
     }
 }
@@ -162,8 +162,8 @@ impl BlockLeaves {
 /// A part of the scene with scaled coordinates of its own: all of it, or something small in it (see
 /// [`regions`](super::regions)).
 #[derive(Clone, Debug)]
-pub(in crate::intersect) struct Region {
-    pub(in crate::intersect) frame: ScaledFrame,
+pub(crate) struct Region {
+    pub frame: ScaledFrame,
     /// Where rays begin in it; `None` if there are no leaves.
     pub(super) root: Option<ChildCode>,
     /// The region around it; for the first region, itself.
@@ -172,23 +172,23 @@ pub(in crate::intersect) struct Region {
     /// next region's begin.
     pub(super) first_leaf: u32,
     /// The width of those leaves, in scaled coordinates.
-    pub(in crate::intersect) leaf_width: f32,
+    pub leaf_width: f32,
 }
 
 /// Nodes over blocks of leaves. Leaves are numbered in the order of the blocks.
 #[derive(Clone, Debug)]
-pub(in crate::intersect) struct Tree {
-    pub(in crate::intersect) nodes: Vec<Node>,
-    pub(in crate::intersect) blocks: Vec<LeafBlock>,
+pub(crate) struct Tree {
+    pub nodes: Vec<Node>,
+    pub blocks: Vec<LeafBlock>,
     /// The first leaf of each block, and the end of the last.
     pub(super) starts: Vec<u32>,
     /// The whole scene first.
-    pub(in crate::intersect) regions: Vec<Region>,
+    pub regions: Vec<Region>,
 }
 
 impl Tree {
     /// Fills the blocks with the leaves' oriented boxes, and sets the leaf width of each region.
-    pub(in crate::intersect) fn fill(&mut self, leaves: &[Leaf], boxes: &[OrientedBox]) {
+    pub(crate) fn fill(&mut self, leaves: &[Leaf], boxes: &[OrientedBox]) {
         let blocks = self.starts.par_windows(2);
         let blocks = blocks.map(|ends| LeafBlock::new(&boxes[ends[0] as usize..ends[1] as usize]));
         self.blocks = blocks.collect();
@@ -200,18 +200,18 @@ impl Tree {
     }
 
     /// The coordinates of the whole scene.
-    pub(in crate::intersect) fn frame(&self) -> &ScaledFrame {
+    pub(crate) fn frame(&self) -> &ScaledFrame {
         &self.regions[0].frame
     }
 
     /// Where rays begin.
-    pub(in crate::intersect) fn root(&self) -> Option<ChildCode> {
+    pub(crate) fn root(&self) -> Option<ChildCode> {
         self.regions[0].root
     }
 
     /// The region that a ray comes to, and what to push onto the stack then. The way back lies
     /// below all of the region, so everything is popped in the coordinates in which it was pushed.
-    pub(in crate::intersect) fn enter(
+    pub(crate) fn enter(
         &self,
         region: u32,
         way: Way,
@@ -228,7 +228,7 @@ impl Tree {
     }
 
     /// The coordinates in which a leaf's box is given.
-    pub(in crate::intersect) fn frame_of(&self, leaf: u32) -> &ScaledFrame {
+    pub(crate) fn frame_of(&self, leaf: u32) -> &ScaledFrame {
         // The last region that begins no later: one without leaves begins where the next does.
         let after = self.regions.partition_point(|region| region.first_leaf <= leaf);
         &self.regions[after - 1].frame
@@ -243,18 +243,18 @@ impl Tree {
 
     /// The leaves of a block.
     #[inline(always)]
-    pub(in crate::intersect) fn leaves(&self, block: u32) -> BlockLeaves {
+    pub(crate) fn leaves(&self, block: u32) -> BlockLeaves {
         let first = self.starts[block as usize];
         BlockLeaves { first, count: (self.starts[block as usize + 1] - first) as usize }
     }
 
     /// The box of a leaf.
-    pub(in crate::intersect) fn oriented(&self, leaf: u32) -> OrientedBox {
+    pub(crate) fn oriented(&self, leaf: u32) -> OrientedBox {
         let block = self.starts.partition_point(|&start| start <= leaf) - 1;
         self.blocks[block].oriented((leaf - self.starts[block]) as usize)
     }
 
-    pub(in crate::intersect) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         size_of_val(&self.nodes[..])
             + size_of_val(&self.blocks[..])
             + size_of_val(&self.starts[..])

@@ -43,7 +43,7 @@ struct Waiting {
 ///
 /// `groups` are as in [`Hierarchy::new`]. No region's coordinates are scaled up by more than
 /// `most_scale`.
-pub(in crate::intersect) fn tree_over(
+pub(crate) fn tree_over(
     parts: &[Part],
     groups: &[u32],
     scene: ScaledFrame,

@@ -11,7 +11,7 @@ use crate::patch::OrientedBox;
 /// of the scene whose coordinates these are) and of box entries along it, apart from what boxes
 /// were grown by when they were made: coordinates of up to 5 and distances of up to 8, and four
 /// roundings of each.
-pub(in crate::intersect) const BLUR: f32 = 4e-6;
+pub(crate) const BLUR: f32 = 4e-6;
 
 /// Components of directions are taken to be at least this large: this moves the ray by far less
 /// than [`BLUR`], and quotients stay finite.

@@ -76,7 +76,7 @@ pub(super) const PACKET: usize = 64;
 
 /// A bicubic sheet of hills whose weights differ from point to point.
 #[cfg(test)]
-pub(in crate::intersect) fn weighted_hills() -> crate::geometry::NurbsSurface {
+pub(crate) fn weighted_hills() -> crate::geometry::NurbsSurface {
     use glam::DVec4;
 
     let knots = crate::geometry::KnotVector::clamped_uniform(3, 12).unwrap();

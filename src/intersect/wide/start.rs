@@ -12,7 +12,7 @@ use crate::patch::{Leaf, TensorPatch, WIDENING};
 
 /// A ray's start.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Start<'a> {
+pub(crate) struct Start<'a> {
     /// The root that the ray starts on, if any.
     pub(super) from: Option<&'a Root>,
     /// Whether hits count only ahead of the origin.

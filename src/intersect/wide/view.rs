@@ -7,15 +7,15 @@ use crate::patch::{Leaf, MOST_WEIGHT, PatchSet, Piece, TensorPatch, TrimWindows,
 
 /// The parts of a [`SurfaceBvh`](crate::intersect::SurfaceBvh) that the fast kernels search.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::intersect) struct BvhView<'a> {
-    pub(in crate::intersect) tree: &'a Tree,
-    pub(in crate::intersect) leaves: &'a [Leaf],
+pub(crate) struct BvhView<'a> {
+    pub tree: &'a Tree,
+    pub leaves: &'a [Leaf],
     /// One weight for each leaf, or none if no leaf is approximated by a quotient.
-    pub(in crate::intersect) weights: &'a [WeightFit],
-    pub(in crate::intersect) windows: &'a TrimWindows,
-    pub(in crate::intersect) set: &'a PatchSet,
+    pub weights: &'a [WeightFit],
+    pub windows: &'a TrimWindows,
+    pub set: &'a PatchSet,
     /// The largest coordinate an origin may have for the work in f32.
-    pub(in crate::intersect) reach_of_f32: f64,
+    pub reach_of_f32: f64,
 }
 
 /// A leaf, with its weight if its piece is one of those whose leaves have weights.
@@ -44,7 +44,7 @@ const VAST: usize = 1 << 17;
 impl<'a> BvhView<'a> {
     /// Whether an origin with this largest coordinate is too far away for the work in f32.
     #[inline(always)]
-    pub(in crate::intersect) fn is_beyond_f32(&self, magnitude: f64) -> bool {
+    pub(crate) fn is_beyond_f32(&self, magnitude: f64) -> bool {
         magnitude > self.reach_of_f32
     }
 
@@ -57,7 +57,7 @@ impl<'a> BvhView<'a> {
 
     /// Whether rays wait so long for their data that many are worth tracing side by side, even if
     /// each asks for any hit only.
-    pub(in crate::intersect) fn is_vast(&self) -> bool {
+    pub(crate) fn is_vast(&self) -> bool {
         self.leaves.len() >= VAST
     }
 
@@ -91,7 +91,7 @@ impl<'a> BvhView<'a> {
 
     /// The piece that a leaf is a part of.
     #[inline(always)]
-    pub(in crate::intersect) fn piece_of(&self, leaf: u32) -> &'a Piece {
+    pub(crate) fn piece_of(&self, leaf: u32) -> &'a Piece {
         &self.set.pieces()[self.leaves[leaf as usize].piece as usize]
     }
 }

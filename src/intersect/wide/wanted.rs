@@ -4,7 +4,7 @@ use super::frames::END_SPARE;
 
 /// What a ray asks for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(in crate::intersect) enum Wanted {
+pub(crate) enum Wanted {
     /// Its first hit.
     #[default]
     First,

@@ -16,7 +16,7 @@ use crate::scene::{Light, Rgb, World};
 /// turned towards the viewer. A hit without a normal is taken to face the viewer.
 /// Radiance: `albedo / π · Σ E cos θ` over the lights not hidden, plus ambient light.
 #[derive(Debug, Default)]
-pub(in crate::render) struct Direct {
+pub(crate) struct Direct {
     /// The hits of a batch, with what shading needs to know.
     points: Vec<Shaded>,
     /// Shadow rays towards one light, and what each brings to which sample.

@@ -8,7 +8,7 @@ use crate::scene::{Projection, Rgb, World, share};
 
 /// Which property of a hit is shown.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::render) enum HitColor {
+pub(crate) enum HitColor {
     /// The normal `n`, as oriented by the surface, as `(n + 1) / 2`; grey without one.
     Normal,
     /// `u` as red and `v` as green, each from 0 to 1 over the surface's domain.

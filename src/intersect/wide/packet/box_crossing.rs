@@ -10,19 +10,19 @@ use crate::patch::{Leaf, OrientedBox};
 
 /// Which of sixteen rays meet a leaf's box, where they cross its middle, and the slopes of their
 /// directions by the box's rows.
-pub(in crate::intersect::wide) struct BoxCrossing<S: Simd> {
-    pub(in crate::intersect::wide) met: mask32x16<S>,
-    pub(in crate::intersect::wide) x: f32x16<S>,
-    pub(in crate::intersect::wide) y: f32x16<S>,
+pub(crate) struct BoxCrossing<S: Simd> {
+    pub met: mask32x16<S>,
+    pub x: f32x16<S>,
+    pub y: f32x16<S>,
     /// Where the rays enter and leave the box, whatever part of them counts.
     pub(super) entry: f32x16<S>,
     pub(super) exit: f32x16<S>,
-    pub(in crate::intersect::wide) slopes: [f32x16<S>; 3],
+    pub slopes: [f32x16<S>; 3],
 }
 
 /// The slab test of the oriented box for rays `base … base + 15`.
 #[inline(always)] // in the innermost loop
-pub(in crate::intersect::wide) fn cross_box<S: Simd>(
+pub(crate) fn cross_box<S: Simd>(
     simd: S,
     oriented: &OrientedBox,
     packet: &Packet,
@@ -66,7 +66,7 @@ pub(in crate::intersect::wide) fn cross_box<S: Simd>(
 /// Applies the certificate: which of sixteen rays with these slopes meet the leaf at most once. The
 /// error bound of a point's distance from a ray is the ray's magnitude times `factor`.
 #[simd]
-pub(in crate::intersect::wide) fn certify<S: Simd>(
+pub(crate) fn certify<S: Simd>(
     simd: S,
     leaf: &Leaf,
     [a, b, c]: [f32x16<S>; 3],
@@ -85,11 +85,7 @@ pub(in crate::intersect::wide) fn certify<S: Simd>(
 /// How steep sixteen rays are, by the leaf's certificate. Where the certificate holds for the rays,
 /// the sign is that of the determinant of the tangents in the rays' planes.
 #[inline(always)]
-pub(in crate::intersect::wide) fn upright<S: Simd>(
-    simd: S,
-    leaf: &Leaf,
-    [a, b, c]: [f32x16<S>; 3],
-) -> f32x16<S> {
+pub(crate) fn upright<S: Simd>(simd: S, leaf: &Leaf, [a, b, c]: [f32x16<S>; 3]) -> f32x16<S> {
     let [lean_a, lean_b] = leaf.certificate.lean();
     b.mul_add(f32x16::splat(simd, lean_b), a.mul_add(f32x16::splat(simd, lean_a), c))
 }

@@ -56,40 +56,40 @@ impl Default for NearestHits {
 
 /// A hit as the packet holds it.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::intersect) struct LaneHit {
-    pub(in crate::intersect) piece: u32,
+pub(crate) struct LaneHit {
+    pub piece: u32,
     /// The ray parameter, and the error bound of the place along the ray.
-    pub(in crate::intersect) t: f64,
-    pub(in crate::intersect) z_error: f64,
-    pub(in crate::intersect) st: DVec2,
-    pub(in crate::intersect) point: DVec3,
+    pub t: f64,
+    pub z_error: f64,
+    pub st: DVec2,
+    pub point: DVec3,
     /// NaN where there is none.
-    pub(in crate::intersect) normal: DVec3,
+    pub normal: DVec3,
     /// Whether it may be within rounding of a border of its surface, or its normal needs a closer
     /// look.
-    pub(in crate::intersect) needs_look: bool,
+    pub needs_look: bool,
 }
 
 impl Packet {
     /// One bit a ray: whether it has met anything.
-    pub(in crate::intersect) fn met(&self) -> u64 {
+    pub(crate) fn met(&self) -> u64 {
         self.hits.met
     }
 
     /// One bit a ray: whether its nearest hit needs a closer look, because it may be within
     /// rounding of a border, be near a pole, or have no normal.
-    pub(in crate::intersect) fn needs_look(&self) -> u64 {
+    pub(crate) fn needs_look(&self) -> u64 {
         self.hits.needs_look
     }
 
     /// How far along a ray anything matters: to its nearest hit, or its end.
-    pub(in crate::intersect) fn end(&self, k: usize) -> f64 {
+    pub(crate) fn end(&self, k: usize) -> f64 {
         self.hits.z[k]
     }
 
     /// The answer to a ray whose nearest hit, on the surfaces of `set`, needs no closer look.
     #[inline]
-    pub(in crate::intersect) fn plain_answer(&self, k: usize, set: SetId) -> Answer {
+    pub(crate) fn plain_answer(&self, k: usize, set: SetId) -> Answer {
         let hits = &self.hits;
         if !has(hits.met, k) {
             return Answer::default();
@@ -111,7 +111,7 @@ impl Packet {
     }
 
     /// The nearest hit of a ray.
-    pub(in crate::intersect) fn hit(&self, k: usize) -> Option<LaneHit> {
+    pub(crate) fn hit(&self, k: usize) -> Option<LaneHit> {
         let hits = &self.hits;
         has(hits.met, k).then(|| LaneHit {
             piece: hits.piece[k],

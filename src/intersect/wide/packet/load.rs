@@ -18,7 +18,7 @@ use crate::patch::ScaledFrame;
 
 /// Loads up to [`PACKET`] rays as they are given; lanes left over repeat the first.
 #[simd]
-pub(in crate::intersect::wide) fn load<S: Simd, Q: Shot>(
+pub(crate) fn load<S: Simd, Q: Shot>(
     simd: S,
     packet: &mut Packet,
     shots: &[Q],
@@ -122,7 +122,7 @@ fn frames<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], base: usi
 /// Computes the normals of the planes through the rays of a packet, as in
 /// [`RayFrame`](crate::math::RayFrame). Packets that meet no leaf do not need them.
 #[simd]
-pub(in crate::intersect::wide) fn find_planes<S: Simd>(simd: S, packet: &mut Packet) {
+pub(crate) fn find_planes<S: Simd>(simd: S, packet: &mut Packet) {
     let one = f64x8::splat(simd, 1.0);
     for base in (0..PACKET).step_by(LANES) {
         let mut normals = [[[one; 2]; 3]; 2];

@@ -21,15 +21,15 @@ use crate::math::bits::half_of_sixteen;
 /// Rays that are traced together, and the nearest hit of each.
 #[derive(Clone, Debug, Default)]
 #[repr(align(64))]
-pub(in crate::intersect) struct Packet {
+pub(crate) struct Packet {
     /// How many rays there are.
     pub(super) count: usize,
     /// Whether any hit will do: then a ray that has one ends before it begins.
-    pub(in crate::intersect::wide) any: bool,
+    pub any: bool,
     /// One bit a ray: whether it comes from too far away for the work in f32, and is left out.
     pub(super) far_off: u64,
-    pub(in crate::intersect::wide) rays: LaneRays,
-    pub(in crate::intersect::wide) scaled: ScaledRays,
+    pub rays: LaneRays,
+    pub scaled: ScaledRays,
     pub(super) starts: Starts,
     pub(super) hits: NearestHits,
 }
@@ -37,11 +37,11 @@ pub(in crate::intersect) struct Packet {
 /// The rays in f64, in scene units, with unit directions.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(in crate::intersect::wide) struct LaneRays {
-    pub(in crate::intersect::wide) origin: Lanes3,
+pub(crate) struct LaneRays {
+    pub origin: Lanes3,
     pub(super) axis: Lanes3,
     /// The normals of the two planes through each ray.
-    pub(in crate::intersect::wide) normals: [Lanes3; 2],
+    pub normals: [Lanes3; 2],
     /// Whether these have been computed, here and in f32.
     pub(super) planes_known: bool,
     /// `1 / |d|`.
@@ -55,14 +55,14 @@ pub(in crate::intersect::wide) struct LaneRays {
 /// The rays in f32, in scaled coordinates.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(in crate::intersect::wide) struct ScaledRays {
+pub(crate) struct ScaledRays {
     /// Scene units to scaled coordinates.
     pub(super) scale: f64,
     /// The distance by which the origins were moved along the rays, in scene units.
     pub(super) shift: [f64; PACKET],
     pub(super) origin: Lanes3f,
     pub(super) axis: Lanes3f,
-    pub(in crate::intersect::wide) normals: [Lanes3f; 2],
+    pub normals: [Lanes3f; 2],
     pub(super) magnitude: [f32; PACKET],
     /// Where hits begin to count.
     pub(super) near: [f32; PACKET],
@@ -124,13 +124,13 @@ impl Default for ScaledRays {
 
 impl Packet {
     /// Forgets all rays: now there are `count` rays that meet nothing.
-    pub(in crate::intersect) fn clear(&mut self, count: usize) {
+    pub(crate) fn clear(&mut self, count: usize) {
         self.count = count;
         (self.far_off, self.hits.met, self.hits.needs_look) = (0, 0, 0);
     }
 
     /// Says whether any hit will do for the rays to come.
-    pub(in crate::intersect) fn ask(&mut self, wanted: Wanted) {
+    pub(crate) fn ask(&mut self, wanted: Wanted) {
         self.any = wanted == Wanted::Any;
     }
 
@@ -153,7 +153,7 @@ impl Packet {
     /// count, and ahead of the root it starts on. The box was grown by more than the errors of its
     /// leaf or of the ray.
     #[simd]
-    pub(in crate::intersect::wide) fn within_range<S: Simd>(
+    pub(crate) fn within_range<S: Simd>(
         &self,
         simd: S,
         base: usize,
@@ -202,7 +202,7 @@ impl Packet {
     }
 
     /// One bit a ray: whether it was left out, for others to trace.
-    pub(in crate::intersect) fn far_off(&self) -> u64 {
+    pub(crate) fn far_off(&self) -> u64 {
         self.far_off
     }
 }

@@ -20,21 +20,21 @@ const FARTHEST: usize = 32 * PACKET;
 /// Measured on a million rays in memory, on Zen 4: a ray of a picture's background takes 5 ns
 /// instead of 10.
 #[derive(Debug, Default)]
-pub(in crate::intersect) struct ReadAhead {
+pub(crate) struct ReadAhead {
     /// How many of the rays that come next have been read or prefetched.
     left: usize,
 }
 
 /// Rays to be prefetched while others are traced.
 #[derive(Debug)]
-pub(in crate::intersect) struct Ahead<'a, Q> {
+pub(crate) struct Ahead<'a, Q> {
     rays: slice::Iter<'a, Q>,
     at: Moment,
 }
 
 /// Where on its way a packet prefetches rays that come after it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::intersect) enum Moment {
+pub(crate) enum Moment {
     /// At each box it comes to. Measured on a Xeon with AVX-512: shadow rays, which carry the root
     /// they leave and are thus half as large again as rays alone, are traced 1.04 to 1.09 times as
     /// fast; ambient occlusion 1.02 to 1.03 times. Rays of pictures, whose background takes less
@@ -60,7 +60,7 @@ impl ReadAhead {
     /// Makes sure that the rays of the next packet, the first of `rest`, have been read. They then
     /// count as traced.
     #[inline(always)]
-    pub(in crate::intersect) fn read<Q: Shot>(&mut self, rest: &[Q]) {
+    pub(crate) fn read<Q: Shot>(&mut self, rest: &[Q]) {
         if self.left < PACKET {
             let mut all = 0;
             for shot in &rest[..rest.len().min(AT_ONCE)] {
@@ -75,7 +75,7 @@ impl ReadAhead {
 
     /// Runs `trace`, which may prefetch `others`, the rays after its packet, as it goes.
     #[inline(always)]
-    pub(in crate::intersect) fn while_tracing<Q>(
+    pub(crate) fn while_tracing<Q>(
         &mut self,
         others: &[Q],
         at: Moment,

@@ -16,9 +16,9 @@ use crate::patch::{BESIDE_COLLAPSED, Leaf, OrientedBox, Piece, WIDENING};
 
 /// A leaf, its piece, and which leaf it is.
 #[derive(Clone, Copy)]
-pub(in crate::intersect::wide) struct Target<'a> {
-    pub(in crate::intersect::wide) leaf: &'a Leaf,
-    pub(in crate::intersect::wide) piece: &'a Piece,
+pub(crate) struct Target<'a> {
+    pub leaf: &'a Leaf,
+    pub piece: &'a Piece,
     pub(super) index: u32,
     pub(super) view: &'a BvhView<'a>,
     oriented: &'a OrientedBox,
@@ -26,7 +26,7 @@ pub(in crate::intersect::wide) struct Target<'a> {
     /// Where the leaf's certificate holds.
     domain: [[f64; 2]; 2],
     /// The pole that the leaf ends in, if it does.
-    pub(in crate::intersect::wide) pole: Option<DVec3>,
+    pub pole: Option<DVec3>,
 }
 
 /// The data of a leaf that are needed once roots are looked for in it.
@@ -51,11 +51,7 @@ pub(super) struct Closer {
 
 impl<'a> Target<'a> {
     #[inline(always)] // a returned result would be copied, which stalls
-    pub(in crate::intersect::wide) fn new(
-        view: &'a BvhView<'a>,
-        oriented: &'a OrientedBox,
-        index: u32,
-    ) -> Self {
+    pub(crate) fn new(view: &'a BvhView<'a>, oriented: &'a OrientedBox, index: u32) -> Self {
         let leaf = &view.leaves[index as usize];
         let piece = view.piece_of(index);
         let (rect, domain) = (leaf.rect(), leaf.widened(piece, WIDENING));
@@ -91,13 +87,13 @@ impl<'a> Target<'a> {
 
     /// The leaf with its weight.
     #[inline(always)]
-    pub(in crate::intersect::wide) fn fitted(&self) -> Fitted<'_> {
+    pub(crate) fn fitted(&self) -> Fitted<'_> {
         self.view.fitted(self.index, &self.piece.patch)
     }
 
     /// See [`OrientedBox::unit_axes`].
     #[inline(always)]
-    pub(in crate::intersect::wide) fn unit_axes(&self) -> [DVec3; 3] {
+    pub(crate) fn unit_axes(&self) -> [DVec3; 3] {
         self.oriented.unit_axes()
     }
 

@@ -35,10 +35,10 @@ const LEAST_DECIDED: f32 = 1e-3;
 
 /// Scratch memory and results of tracing packets.
 #[derive(Debug, Default)]
-pub(in crate::intersect) struct Work {
+pub(crate) struct Work {
     stack: Vec<Visit>,
     /// Rays and leaves that the scalar search must examine.
-    pub(in crate::intersect) undecided: Vec<(usize, u32)>,
+    pub undecided: Vec<(usize, u32)>,
     apart: Apart,
     /// The distances of sixteen rays from the leaf that is searched.
     pub(super) distances: LaneDistances,
@@ -47,8 +47,8 @@ pub(in crate::intersect) struct Work {
     pub(super) parts: Parts,
     pub(super) nets: RecentNets,
     /// One bit for each ray that has leaves left.
-    pub(in crate::intersect) undecided_rays: u64,
-    pub(in crate::intersect) statistics: Statistics,
+    pub undecided_rays: u64,
+    pub statistics: Statistics,
 }
 
 impl Work {
@@ -64,7 +64,7 @@ impl Work {
 /// ask for (`packet.any`). `work.undecided` lists the pairs of ray and leaf that could not be
 /// certified or decided, which may hold nearer hits. The rays `ahead` are prefetched on the way.
 #[simd]
-pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
+pub(crate) fn trace<S: Simd, Q: Shot>(
     simd: S,
     view: &BvhView<'_>,
     (shots, ahead): (&[Q], &mut Ahead<'_, Q>),

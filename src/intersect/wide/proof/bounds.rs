@@ -4,31 +4,31 @@
 use crate::patch::{LEAF_SLACK, WIDENING};
 
 /// How far from its middle a leaf's certificate holds, in half sides.
-pub(in crate::intersect::wide) const WIDENED: f64 = 1.0 + 2.0 * WIDENING;
+pub(crate) const WIDENED: f64 = 1.0 + 2.0 * WIDENING;
 
 /// How far from a leaf's middle roots count as the leaf's, in half sides: in its rectangle and its
 /// slack.
-pub(in crate::intersect::wide) const WITH_SLACK: f64 = 1.0 + 2.0 * LEAF_SLACK;
+pub(crate) const WITH_SLACK: f64 = 1.0 + 2.0 * LEAF_SLACK;
 
 /// Rounding error in f32 of distances whose terms add up to one: 33 units of 2⁻²⁴. A coefficient
 /// takes 6 roundings (the middle's distance, a normal, three products added up), the change to a
 /// smaller box 5 in each direction, the combination of two distances 3, and Bernstein coefficients
 /// 4 in each direction: 27 in all. Derivatives may take twice as many: a term of third degree
 /// counts threefold there, but only part of the roundings above occur.
-pub(in crate::intersect::wide) const DISTANCE_ROUNDING: f32 = 2e-6;
+pub(crate) const DISTANCE_ROUNDING: f32 = 2e-6;
 
 /// Below this, f32 loses digits: products of two lengths of a tiny scene may lie there.
 pub(super) const UNDERFLOW: f32 = f32::MIN_POSITIVE;
 
 /// Above this, nothing is proved: sums of products of two lengths of a huge scene would overflow
 /// f32, and their differences would be NaN.
-pub(in crate::intersect::wide) const LARGEST: f32 = 1e18;
+pub(crate) const LARGEST: f32 = 1e18;
 
 /// How far from its middle a leaf and its slack reach, in half sides.
 pub(super) const LEAF: f32 = 1.0 + 2.1 * LEAF_SLACK as f32;
 
 /// Roots are unique in a box widened by this factor, so that one on its side is not lost.
-pub(in crate::intersect::wide) const GROWN: f32 = 1.1;
+pub(crate) const GROWN: f32 = 1.1;
 
 /// How far Newton's step from the middle of a box may lead, in its half sides, if the box is to
 /// hold a root.
@@ -39,7 +39,7 @@ pub(super) const MAY_STEP: f32 = 1.05;
 pub(super) const SMALLEST: f32 = 0.1;
 
 /// The box in which a ray's start is looked for is widened by this factor: by less than [`GROWN`].
-pub(in crate::intersect::wide) const START_GROWN: f32 = 1.09;
+pub(crate) const START_GROWN: f32 = 1.09;
 
 /// The largest accepted row sum of `P`: rounding moves a root by no more than the rounding error
 /// times twenty and the inverse Jacobian.
@@ -51,8 +51,8 @@ pub(super) const MOST_NOISE: f32 = LEAF_SLACK as f32 / 20.0;
 
 /// A part of a leaf, in its box coordinates.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::intersect::wide) struct LeafPart {
-    pub(in crate::intersect::wide) middle: [f32; 2],
+pub(crate) struct LeafPart {
+    pub middle: [f32; 2],
     pub(super) half: [f32; 2],
 }
 
@@ -78,7 +78,7 @@ impl LeafPart {
     }
 
     /// The rectangle in which the part's root is the only one.
-    pub(in crate::intersect::wide) fn domain(&self) -> [[f32; 2]; 2] {
+    pub(crate) fn domain(&self) -> [[f32; 2]; 2] {
         [0, 1].map(|k| {
             let (middle, reach) = (self.middle[k], GROWN * self.half[k]);
             [middle - reach, middle + reach]

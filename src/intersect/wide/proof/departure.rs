@@ -78,7 +78,7 @@ const NORMAL_ROUNDING: f32 = 1.8e-5;
 
 /// How far from the middle the ray may start, in box coordinates; the approximation's bounds hold a
 /// little farther.
-pub(in crate::intersect::wide) const MAY_START: f32 = 1.19;
+pub(crate) const MAY_START: f32 = 1.19;
 
 /// How far the ray's own root may be from the place where it is said to start, in box coordinates:
 /// the approximation's bounds hold farther by this.
@@ -101,30 +101,30 @@ const STEEPEST: f32 = 0.1;
 const ALMOST: f32 = 0.99;
 
 /// Sixteen rays that start on a leaf.
-pub(in crate::intersect::wide) struct Departure<S: Simd> {
+pub(crate) struct Departure<S: Simd> {
     /// The starts, in box coordinates.
-    pub(in crate::intersect::wide) place: [f32x16<S>; 2],
+    pub place: [f32x16<S>; 2],
     /// The origins, relative to the leaf's middle.
-    pub(in crate::intersect::wide) origin: [f32x16<S>; 3],
+    pub origin: [f32x16<S>; 3],
     /// The unit directions.
-    pub(in crate::intersect::wide) axis: [f32x16<S>; 3],
+    pub axis: [f32x16<S>; 3],
     /// How far each origin should be, at most, from the surface's point at the start.
-    pub(in crate::intersect::wide) reach: f32x16<S>,
+    pub reach: f32x16<S>,
 }
 
 /// Rays that are proved not to meet the leaf again, a bit each.
 #[derive(Clone, Copy)]
-pub(in crate::intersect::wide) struct Final {
+pub(crate) struct Final {
     /// Unconditionally.
-    pub(in crate::intersect::wide) surely: u32,
+    pub surely: u32,
     /// If their origins are where they should be.
-    pub(in crate::intersect::wide) if_near: u32,
+    pub if_near: u32,
 }
 
 impl<S: Simd> Departure<S> {
     /// Which rays are proved not to have the leaf ahead of them again.
     #[simd]
-    pub(in crate::intersect::wide) fn is_final(&self, simd: S, fitted: Fitted<'_>) -> Final {
+    pub(crate) fn is_final(&self, simd: S, fitted: Fitted<'_>) -> Final {
         let leaf = fitted.leaf;
         let (stretch, lengths) = (leaf.stretch(), leaf.half_side_lengths());
         let in_range = lengths.iter().all(|length| LENGTHS.contains(length));

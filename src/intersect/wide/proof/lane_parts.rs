@@ -12,8 +12,8 @@ const PLACES: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 
 
 /// Sixteen parts of a leaf, each with the lane of a ray, in box coordinates.
 #[derive(Clone, Copy)]
-pub(in crate::intersect::wide) struct Sixteen<S: Simd> {
-    pub(in crate::intersect::wide) middle: [f32x16<S>; 2],
+pub(crate) struct Sixteen<S: Simd> {
+    pub middle: [f32x16<S>; 2],
     pub(super) half: [f32x16<S>; 2],
     tags: u32x16<S>,
 }
@@ -31,7 +31,7 @@ impl<S: Simd> Sixteen<S> {
 
     /// The rectangles widened to `reach` half sides.
     #[inline(always)]
-    pub(in crate::intersect::wide) fn widened(&self, simd: S, reach: f32) -> [[f32x16<S>; 2]; 2] {
+    pub(crate) fn widened(&self, simd: S, reach: f32) -> [[f32x16<S>; 2]; 2] {
         let reach = f32x16::splat(simd, reach);
         let ([x, y], [half_x, half_y]) = (self.middle, self.half);
         let (reach_x, reach_y) = (half_x * reach, half_y * reach);
@@ -77,7 +77,7 @@ impl<S: Simd> Sixteen<S> {
 
 /// The byte indices of the four-byte numbers at these places of a vector.
 #[inline(always)]
-pub(in crate::intersect::wide) fn bytes_of<S: Simd>(simd: S, places: u32x16<S>) -> u8x64<S> {
+pub(crate) fn bytes_of<S: Simd>(simd: S, places: u32x16<S>) -> u8x64<S> {
     (places * u32x16::splat(simd, 0x0404_0404) + u32x16::splat(simd, 0x0302_0100)).to_bytes()
 }
 

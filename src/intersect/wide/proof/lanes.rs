@@ -23,7 +23,7 @@ const MOST_HALVINGS: u32 = 14;
 
 /// Scratch memory.
 #[derive(Debug, Default)]
-pub(in crate::intersect::wide) struct Parts {
+pub(crate) struct Parts {
     /// Parts still to be examined.
     waiting: LaneParts,
     /// Parts with at most one root of their rays.
@@ -31,7 +31,7 @@ pub(in crate::intersect::wide) struct Parts {
 }
 
 /// The proofs for parts of leaves, each for one ray.
-pub(in crate::intersect::wide) struct LaneProof<'a, S: Simd> {
+pub(crate) struct LaneProof<'a, S: Simd> {
     simd: S,
     distances: &'a LaneDistances,
     parts: &'a mut Parts,
@@ -39,24 +39,24 @@ pub(in crate::intersect::wide) struct LaneProof<'a, S: Simd> {
     lengths: [f32x16<S>; 2],
     errors: Errors<S>,
     /// The lanes for which nothing could be proved.
-    pub(in crate::intersect::wide) undecided: u32,
+    pub undecided: u32,
 }
 
 /// Error bounds of what is computed, lane by lane.
 #[derive(Clone, Copy)]
-pub(in crate::intersect::wide) struct Errors<S: Simd> {
+pub(crate) struct Errors<S: Simd> {
     /// Error bound of a point's distance from the ray, times the weight.
-    pub(in crate::intersect::wide) error: f32x16<S>,
+    pub error: f32x16<S>,
     /// A ray that passes within the error of a border meets it: what is closer than this is not
     /// missed.
-    pub(in crate::intersect::wide) off_ray: f32x16<S>,
-    pub(in crate::intersect::wide) slope_noise: f32x16<S>,
+    pub off_ray: f32x16<S>,
+    pub slope_noise: f32x16<S>,
 }
 
 impl<'a, S: Simd> LaneProof<'a, S> {
     /// Begins the proof for the lanes that are `asked` for.
     #[inline(always)]
-    pub(in crate::intersect::wide) fn new(
+    pub(crate) fn new(
         simd: S,
         (distances, parts): (&'a LaneDistances, &'a mut Parts),
         lengths: [f32x16<S>; 2],
@@ -78,7 +78,7 @@ impl<'a, S: Simd> LaneProof<'a, S> {
     /// Lanes that are undecided by now get no more parts: which of their parts were examined before
     /// that was known depends on the other lanes.
     #[inline(always)]
-    pub(in crate::intersect::wide) fn next(&mut self) -> Option<(Sixteen<S>, u32)> {
+    pub(crate) fn next(&mut self) -> Option<(Sixteen<S>, u32)> {
         while let Some((parts, taken)) = self.parts.waiting.pop(self.simd) {
             look_at_parts(self.simd, self, &parts, taken);
         }
@@ -88,7 +88,7 @@ impl<'a, S: Simd> LaneProof<'a, S> {
 
     /// Also examines the halves of the parts returned last for these lanes.
     #[inline(always)]
-    pub(in crate::intersect::wide) fn go_on(&mut self, parts: &Sixteen<S>, lanes: u32) {
+    pub(crate) fn go_on(&mut self, parts: &Sixteen<S>, lanes: u32) {
         if lanes != 0 {
             let bytes = parts.bytes_of_lanes(self.simd);
             let lengths = [self.lengths[0].swizzle_dyn(bytes), self.lengths[1].swizzle_dyn(bytes)];
@@ -157,11 +157,7 @@ fn mask<S: Simd>(simd: S, bits: u32) -> mask32x16<S> {
 
 /// The lanes with no root in the whole leaf; `error` is the error bound of the distances.
 #[simd]
-pub(in crate::intersect::wide) fn missed<S: Simd>(
-    simd: S,
-    distances: &LaneDistances,
-    error: f32x16<S>,
-) -> u32 {
+pub(crate) fn missed<S: Simd>(simd: S, distances: &LaneDistances, error: f32x16<S>) -> u32 {
     let LeafPart { middle, half } = LeafPart::whole();
     let whole = Sixteen::all(simd, middle, half);
     let local = Local::over(simd, distances, &whole, None);

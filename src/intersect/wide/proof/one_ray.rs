@@ -38,13 +38,13 @@ const MOST_UNIQUE: usize = 4;
 
 /// Parts that hold at most one root each.
 #[derive(Debug, Default)]
-pub(in crate::intersect::wide) struct UniqueParts {
+pub(crate) struct UniqueParts {
     parts: [LeafPart; MOST_UNIQUE],
     count: usize,
 }
 
 impl UniqueParts {
-    pub(in crate::intersect::wide) fn iter(&self) -> impl Iterator<Item = &LeafPart> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &LeafPart> {
         self.parts[..self.count].iter()
     }
 }
@@ -52,7 +52,7 @@ impl UniqueParts {
 /// Isolates all roots of a leaf except the one the ray starts on, each in a part of its own; `None`
 /// where that cannot be proved. `error` is the error bound of a point's distance from the ray.
 #[simd]
-pub(in crate::intersect::wide) fn isolate<S: Simd>(
+pub(crate) fn isolate<S: Simd>(
     simd: S,
     distances: Distances<S>,
     fitted: Fitted<'_>,

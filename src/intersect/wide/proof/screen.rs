@@ -57,18 +57,18 @@ const SHORTEST: f32 = 1e-12;
 
 /// What is proved of sixteen rays, a bit each.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::intersect::wide) struct Screened {
+pub(crate) struct Screened {
     /// The rays that miss the leaf.
-    pub(in crate::intersect::wide) missed: u32,
+    pub missed: u32,
     /// The rays that meet the leaf, and ask no more.
-    pub(in crate::intersect::wide) met: u32,
+    pub met: u32,
 }
 
 /// Returns what the last step of the search in f32 proves of rays `base … base + 15` of the packet,
 /// for those that are `asked` for; the leaf's certificate holds for them. `error` is the error
 /// bound of a point's distance from the ray.
 #[simd]
-pub(in crate::intersect::wide) fn screen<S: Simd>(
+pub(crate) fn screen<S: Simd>(
     simd: S,
     target: &Target<'_>,
     (packet, base): (&Packet, usize),

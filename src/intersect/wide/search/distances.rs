@@ -20,8 +20,8 @@ const MOST_REFINED: f32 = 0.25;
 /// weight (see [`Leaf`]): coefficients of `xⁱ yʲ`, at `4 i + j`, lane by lane.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(in crate::intersect::wide) struct LaneDistances {
-    pub(in crate::intersect::wide) of: [[[f32; LANES]; 16]; 2],
+pub(crate) struct LaneDistances {
+    pub of: [[[f32; LANES]; 16]; 2],
 }
 
 impl Default for LaneDistances {
@@ -32,23 +32,23 @@ impl Default for LaneDistances {
 
 /// The places that the search in f32 has found, and its last step.
 #[derive(Clone, Copy)]
-pub(in crate::intersect::wide) struct NearRoots<S: Simd> {
+pub(crate) struct NearRoots<S: Simd> {
     /// The place, in box coordinates.
     pub(super) near: [f32x16<S>; 2],
-    pub(in crate::intersect::wide) last: LastStep<S>,
+    pub last: LastStep<S>,
 }
 
 /// A step of the search in f32.
 #[derive(Clone, Copy)]
-pub(in crate::intersect::wide) struct LastStep<S: Simd> {
+pub(crate) struct LastStep<S: Simd> {
     /// Where it starts, and where it leads if the domain's bounds are ignored.
-    pub(in crate::intersect::wide) from: [f32x16<S>; 2],
-    pub(in crate::intersect::wide) to: [f32x16<S>; 2],
+    pub from: [f32x16<S>; 2],
+    pub to: [f32x16<S>; 2],
     /// The distances where it starts, and their derivatives by `x` and by `y`.
-    pub(in crate::intersect::wide) distances: [f32x16<S>; 2],
-    pub(in crate::intersect::wide) slopes: [[f32x16<S>; 2]; 2],
+    pub distances: [f32x16<S>; 2],
+    pub slopes: [[f32x16<S>; 2]; 2],
     /// The inverse Jacobian there: from distances from the ray's planes to box coordinates.
-    pub(in crate::intersect::wide) inverse: [[f32x16<S>; 2]; 2],
+    pub inverse: [[f32x16<S>; 2]; 2],
 }
 
 impl LaneDistances {
@@ -57,7 +57,7 @@ impl LaneDistances {
     /// Those of the leaf's middle are computed in f64; what is added to them in f32 has the size of
     /// the leaf, so its rounding error is small compared with the leaf.
     #[simd]
-    pub(in crate::intersect::wide) fn take<S: Simd>(
+    pub(crate) fn take<S: Simd>(
         &mut self,
         simd: S,
         Fitted { leaf, weight }: Fitted<'_>,
@@ -103,7 +103,7 @@ impl LaneDistances {
     /// the larger of the two distances: the measure of their rounding error. `sizes` are those of
     /// the leaf.
     #[simd]
-    pub(in crate::intersect::wide) fn terms<S: Simd>(
+    pub(crate) fn terms<S: Simd>(
         &self,
         simd: S,
         sizes: [f32; 4],
@@ -125,7 +125,7 @@ impl LaneDistances {
 
     /// Runs Newton's iteration in box coordinates, from starts there and within rectangles.
     #[simd]
-    pub(in crate::intersect::wide) fn newton<S: Simd>(
+    pub(crate) fn newton<S: Simd>(
         &self,
         simd: S,
         start: [f32x16<S>; 2],
@@ -155,11 +155,7 @@ impl LaneDistances {
     /// leaves a hundredth of the error, for a third of that step's time. Short last steps leave
     /// less error than is worth it.
     #[simd]
-    pub(in crate::intersect::wide) fn refine<S: Simd>(
-        &self,
-        simd: S,
-        searched: &NearRoots<S>,
-    ) -> [f32x16<S>; 2] {
+    pub(crate) fn refine<S: Simd>(&self, simd: S, searched: &NearRoots<S>) -> [f32x16<S>; 2] {
         let NearRoots { near: [x, y], last } = *searched;
         let [last_x, last_y] = [last.to[0] - last.from[0], last.to[1] - last.from[1]];
         let longest = last_x.abs().max(last_y.abs());
@@ -179,10 +175,7 @@ impl LaneDistances {
 /// The sums of the absolute values of the coefficients of a leaf's approximation, by coordinate,
 /// and of its weight.
 #[inline(always)]
-pub(in crate::intersect::wide) fn sizes<S: Simd>(
-    simd: S,
-    Fitted { leaf, weight }: Fitted<'_>,
-) -> [f32; 4] {
+pub(crate) fn sizes<S: Simd>(simd: S, Fitted { leaf, weight }: Fitted<'_>) -> [f32; 4] {
     let sum = |row: &[f32; 16]| f32x16::from_slice(simd, row).abs().reduce_sum();
     let [x, y, z] = leaf.fit();
     [sum(x), sum(y), sum(z), weight.map_or(1.0, sum)]
@@ -256,7 +249,7 @@ fn half_distances<S: Simd>(simd: S, leaf: &Leaf, packet: &Packet, base: usize) -
 
 /// One half of sixteen lanes, in f64.
 #[inline(always)]
-pub(in crate::intersect::wide) fn widened<S: Simd>(value: f32x16<S>, half: usize) -> f64x8<S> {
+pub(crate) fn widened<S: Simd>(value: f32x16<S>, half: usize) -> f64x8<S> {
     let (low, high) = value.widen();
     if half == 0 { low } else { high }
 }

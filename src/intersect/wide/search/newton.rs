@@ -18,7 +18,7 @@ const MOST_TURN: f64 = 5e-12;
 const LONGEST_STEP: f64 = 1e-3;
 
 /// Eight leaves, one a lane, and the surfaces that they approximate.
-pub(in crate::intersect::wide) trait Leaves<S: Simd> {
+pub(crate) trait Leaves<S: Simd> {
     /// Points, first and second derivatives.
     fn jets(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S>;
 
@@ -50,7 +50,7 @@ pub(in crate::intersect::wide) trait Leaves<S: Simd> {
 }
 
 /// Eight rays. Data are read when they are asked for: there are not enough registers to hold them.
-pub(in crate::intersect::wide) trait Rays<S: Simd> {
+pub(crate) trait Rays<S: Simd> {
     fn origin(&self, simd: S) -> [f64x8<S>; 3];
 
     /// The unit directions.
@@ -73,34 +73,34 @@ pub(in crate::intersect::wide) trait Rays<S: Simd> {
 
 /// A step of the iteration, by first derivatives alone.
 #[derive(Clone, Copy)]
-pub(in crate::intersect::wide) struct Step<S: Simd> {
+pub(crate) struct Step<S: Simd> {
     /// Where it starts, and by how much it goes back.
-    pub(in crate::intersect::wide) at: [f64x8<S>; 2],
-    pub(in crate::intersect::wide) by: [f64x8<S>; 2],
+    pub at: [f64x8<S>; 2],
+    pub by: [f64x8<S>; 2],
     /// The distances from the ray's planes where it starts.
-    pub(in crate::intersect::wide) distances: [f64x8<S>; 2],
+    pub distances: [f64x8<S>; 2],
 }
 
 /// Where the iteration has converged.
 #[derive(Clone, Copy)]
-pub(in crate::intersect::wide) struct Converged<S: Simd> {
+pub(crate) struct Converged<S: Simd> {
     /// The lanes that have converged.
-    pub(in crate::intersect::wide) found: mask64x8<S>,
+    pub found: mask64x8<S>,
     /// The lanes that should have converged but have not.
-    pub(in crate::intersect::wide) unconverged: mask64x8<S>,
+    pub unconverged: mask64x8<S>,
     /// The lanes whose normals are known.
     known: mask64x8<S>,
-    pub(in crate::intersect::wide) st: [f64x8<S>; 2],
+    pub st: [f64x8<S>; 2],
     /// The distance along the ray.
-    pub(in crate::intersect::wide) z: f64x8<S>,
-    pub(in crate::intersect::wide) point: [f64x8<S>; 3],
+    pub z: f64x8<S>,
+    pub point: [f64x8<S>; 3],
     /// `S_s × S_t`, and an upper bound of the sum of the lengths of `S_s` and `S_t`.
-    pub(in crate::intersect::wide) cross: [f64x8<S>; 3],
-    pub(in crate::intersect::wide) speed: f64x8<S>,
+    pub cross: [f64x8<S>; 3],
+    pub speed: f64x8<S>,
     /// One over the determinant of the tangents in the ray's planes.
-    pub(in crate::intersect::wide) inverse_det: f64x8<S>,
+    pub inverse_det: f64x8<S>,
     /// Steps taken, over all lanes.
-    pub(in crate::intersect::wide) steps: u32,
+    pub steps: u32,
 }
 
 /// Where a step from a place leads, and what is known of it.
@@ -132,7 +132,7 @@ struct Landed<S: Simd> {
 /// the last. (One step with first derivatives alone, and another from where it leads, take longer
 /// than one with both.)
 #[inline(always)] // what goes in and out are dozens of vectors
-pub(in crate::intersect::wide) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
+pub(crate) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
     simd: S,
     leaves: &T,
     rays: &R,
@@ -405,35 +405,35 @@ fn go_on<S: Simd, T: Leaves<S>, R: Rays<S>>(
 
 /// The ranges of eight rays in which hits count.
 #[derive(Clone, Copy)]
-pub(in crate::intersect::wide) struct Ends<S: Simd> {
+pub(crate) struct Ends<S: Simd> {
     /// From and to.
-    pub(in crate::intersect::wide) z: [f64x8<S>; 2],
+    pub z: [f64x8<S>; 2],
     /// Error bounds of the roots that rays start on, if any ray starts on one.
-    pub(in crate::intersect::wide) from_error: Option<f64x8<S>>,
+    pub from_error: Option<f64x8<S>>,
 }
 
 /// The judgement of roots that were found.
 #[derive(Clone, Copy)]
-pub(in crate::intersect::wide) struct Verdict<S: Simd> {
+pub(crate) struct Verdict<S: Simd> {
     /// The length of `S_s × S_t`.
-    pub(in crate::intersect::wide) size: f64x8<S>,
+    pub size: f64x8<S>,
     /// Error bound of `z`.
-    pub(in crate::intersect::wide) z_error: f64x8<S>,
+    pub z_error: f64x8<S>,
     /// The roots that the scalar search must judge.
-    pub(in crate::intersect::wide) undecided: mask64x8<S>,
+    pub undecided: mask64x8<S>,
     /// Those of them that lie on the piece, and are only too near an end of the ray or its start:
     /// if trims cut them off, nothing is left to be judged.
-    pub(in crate::intersect::wide) at_end: mask64x8<S>,
+    pub at_end: mask64x8<S>,
     /// The roots within the ray's range.
-    pub(in crate::intersect::wide) acceptable: mask64x8<S>,
+    pub acceptable: mask64x8<S>,
     /// The distance along the ray within which a root cannot be told from an end or another hit.
-    pub(in crate::intersect::wide) near_end: f64x8<S>,
+    pub near_end: f64x8<S>,
 }
 
 impl<S: Simd> Converged<S> {
     /// Evaluates the points and the normals at the places themselves.
     #[inline(always)]
-    pub(in crate::intersect::wide) fn look<T: Leaves<S>>(&mut self, simd: S, leaves: &T) {
+    pub(crate) fn look<T: Leaves<S>>(&mut self, simd: S, leaves: &T) {
         let Jets { point, first: [ds, dt], .. } = leaves.tangents(simd, &self.st);
         (self.point, self.cross) = (point, cross_d(ds, dt));
     }
@@ -441,7 +441,7 @@ impl<S: Simd> Converged<S> {
     /// Judges the roots. Those just outside the piece, or too near the ray's ends, are left to the
     /// scalar search.
     #[inline(always)]
-    pub(in crate::intersect::wide) fn verdict(
+    pub(crate) fn verdict(
         &self,
         simd: S,
         ends: &Ends<S>,

@@ -12,12 +12,12 @@ use crate::patch::{Leaf, ScaledFrame};
 
 /// Where to look for the one root of a ray in a leaf whose certificate holds for the ray.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::intersect::wide) struct Guess {
+pub(crate) struct Guess {
     /// The start, in box coordinates.
-    pub(in crate::intersect::wide) start: [f32; 2],
+    pub start: [f32; 2],
     /// If the root lies farther than this beyond a side of the piece, in box coordinates, the piece
     /// is missed there.
-    pub(in crate::intersect::wide) clearance: f64,
+    pub clearance: f64,
 }
 
 impl Guess {
@@ -25,12 +25,7 @@ impl Guess {
     /// point's distance from the ray; `None` where the leaf's certificate does not hold for the
     /// ray.
     #[inline(always)]
-    pub(in crate::intersect::wide) fn of(
-        leaf: &Leaf,
-        start: [f32; 2],
-        slopes: [f32; 3],
-        error: f64,
-    ) -> Option<Self> {
+    pub(crate) fn of(leaf: &Leaf, start: [f32; 2], slopes: [f32; 3], error: f64) -> Option<Self> {
         let certificate = &leaf.certificate;
         // How far rays pass from a pole is not examined here, only by the scalar search and the
         // packets.
@@ -44,11 +39,11 @@ impl Guess {
 
 /// Where a hit is: enough to tell which of two is the nearer.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::intersect::wide) struct HitPlace {
-    pub(in crate::intersect::wide) leaf: u32,
-    pub(in crate::intersect::wide) z: f64,
-    pub(in crate::intersect::wide) z_error: f64,
-    pub(in crate::intersect::wide) st: DVec2,
+pub(crate) struct HitPlace {
+    pub leaf: u32,
+    pub z: f64,
+    pub z_error: f64,
+    pub st: DVec2,
 }
 
 /// A hit that is certain.
@@ -57,24 +52,24 @@ pub(in crate::intersect::wide) struct HitPlace {
 /// as one long and one short vector, and read across the two, which has to wait for them.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
-pub(in crate::intersect) struct SingleHit {
-    pub(in crate::intersect) st: DVec2,
-    pub(in crate::intersect) z: f64,
+pub(crate) struct SingleHit {
+    pub st: DVec2,
+    pub z: f64,
     /// Error bound of `z`.
-    pub(in crate::intersect) z_error: f64,
-    pub(in crate::intersect) point: DVec3,
-    pub(in crate::intersect) leaf: u32,
+    pub z_error: f64,
+    pub point: DVec3,
+    pub leaf: u32,
     /// Along `S_s × S_t`.
-    pub(in crate::intersect) cross: DVec3,
+    pub cross: DVec3,
     /// The length of `cross`.
-    pub(in crate::intersect) size: f64,
+    pub size: f64,
 }
 
 /// One ray, in f64 and in scaled f32 coordinates.
 #[derive(Clone, Debug)]
-pub(in crate::intersect) struct SingleRay<'a> {
+pub(crate) struct SingleRay<'a> {
     pub(super) frame: &'a RayFrame,
-    pub(in crate::intersect::wide) start: Start<'a>,
+    pub start: Start<'a>,
     wanted: Wanted,
     /// In scaled coordinates, the origin moved along the ray by `shift`.
     pub(super) boxes: BoxRay,
@@ -86,14 +81,14 @@ pub(in crate::intersect) struct SingleRay<'a> {
 
 impl SingleHit {
     #[inline(always)]
-    pub(in crate::intersect::wide) fn place(&self) -> HitPlace {
+    pub(crate) fn place(&self) -> HitPlace {
         HitPlace { leaf: self.leaf, z: self.z, z_error: self.z_error, st: self.st }
     }
 }
 
 impl<'a> SingleRay<'a> {
     #[inline(always)]
-    pub(in crate::intersect) fn new(
+    pub(crate) fn new(
         frame: &'a RayFrame,
         from: Option<&'a Root>,
         wanted: Wanted,
@@ -147,11 +142,7 @@ impl<'a> SingleRay<'a> {
 
 /// A ray in scaled coordinates, up to `end`, and the distance by which its origin was moved.
 #[inline(always)]
-pub(in crate::intersect::wide) fn boxes_in(
-    scaled: &ScaledFrame,
-    frame: &RayFrame,
-    end: f64,
-) -> (BoxRay, f64) {
+pub(crate) fn boxes_in(scaled: &ScaledFrame, frame: &RayFrame, end: f64) -> (BoxRay, f64) {
     let (scale, start) = (scaled.scale, scaled.scaled(frame.origin));
     let square = start.length_squared();
     let shift = shift_to_scene(square, start.dot(frame.axis));

@@ -15,8 +15,8 @@ pub(super) const FIT_DOMAIN: f32 = crate::patch::FIT_DOMAIN as f32;
 /// [`Leaf`](crate::patch::Leaf)): coefficients of `xⁱ yʲ`, `i` by vector, `j` by lane, first those
 /// of `f₁`, then those of `f₂`.
 #[derive(Clone, Copy)]
-pub(in crate::intersect::wide) struct Distances<S: Simd> {
-    pub(in crate::intersect::wide) rows: [f32x8<S>; 4],
+pub(crate) struct Distances<S: Simd> {
+    pub rows: [f32x8<S>; 4],
 }
 
 impl<S: Simd> Distances<S> {
@@ -55,12 +55,7 @@ impl<S: Simd> Distances<S> {
     /// The sum of the absolute values of all terms that the coefficients were added up from, for
     /// the larger of the two distances: the measure of their rounding error.
     #[simd]
-    pub(in crate::intersect::wide) fn terms(
-        self,
-        simd: S,
-        fitted: Fitted<'_>,
-        ray: &SingleRay<'_>,
-    ) -> f32 {
+    pub(crate) fn terms(self, simd: S, fitted: Fitted<'_>, ray: &SingleRay<'_>) -> f32 {
         let Fitted { leaf, weight } = fitted;
         let [n1, n2] = ray.frame.normals;
         let mut total = f32x8::splat(simd, 0.0);
@@ -130,7 +125,7 @@ fn transposed<S: Simd>(value: f32x8<S>, slope: f32x8<S>) -> [f32x4<S>; 4] {
 
 /// Transposes both halves of four vectors; each half of all four is a matrix.
 #[inline(always)]
-pub(in crate::intersect::wide) fn transposed_rows<S: Simd>(rows: [f32x8<S>; 4]) -> [f32x8<S>; 4] {
+pub(crate) fn transposed_rows<S: Simd>(rows: [f32x8<S>; 4]) -> [f32x8<S>; 4] {
     let [(a, e), (b, f), (c, g), (d, h)] =
         [rows[0].split(), rows[1].split(), rows[2].split(), rows[3].split()];
     let [a, b, c, d] = transposed(a.combine(b), c.combine(d));

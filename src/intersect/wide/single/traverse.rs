@@ -37,7 +37,7 @@ use crate::math::bits::set_bits;
 
 /// Scratch memory and results of tracing one ray.
 #[derive(Debug, Default)]
-pub(in crate::intersect) struct SingleWork {
+pub(crate) struct SingleWork {
     stack: Stack,
     /// Whether there is a hit.
     met: bool,
@@ -46,15 +46,15 @@ pub(in crate::intersect) struct SingleWork {
     hits: [SingleHit; 2],
     best: usize,
     /// Leaves that the scalar search must examine.
-    pub(in crate::intersect) undecided: Vec<u32>,
-    pub(in crate::intersect) statistics: Statistics,
+    pub undecided: Vec<u32>,
+    pub statistics: Statistics,
     nets: RecentNets,
 }
 
 /// Finds a ray's nearest certified hit, or any hit if that is all it asks for; `work.undecided`
 /// lists the leaves that could not be certified or decided, which may hold nearer hits.
 #[simd]
-pub(in crate::intersect) fn trace_single<S: Simd>(
+pub(crate) fn trace_single<S: Simd>(
     simd: S,
     view: &BvhView<'_>,
     ray: &mut SingleRay<'_>,
@@ -153,7 +153,7 @@ fn search_leaf<S: Simd>(
 /// coordinates, if the leaf is certified for the ray; `error` is the error bound of a point's
 /// distance from the ray.
 #[inline(always)]
-pub(in crate::intersect::wide) fn search_ahead<S: Simd>(
+pub(crate) fn search_ahead<S: Simd>(
     simd: S,
     view: &BvhView<'_>,
     index: u32,
@@ -238,7 +238,7 @@ fn search_by_proof<S: Simd>(
 
 impl SingleWork {
     /// Forgets what was found, but keeps statistics.
-    pub(in crate::intersect::wide) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.met = false;
         self.undecided.clear();
         self.stack.clear();
@@ -246,7 +246,7 @@ impl SingleWork {
 
     /// The nearest certified hit; in any-hit searches, the first one found.
     #[inline(always)]
-    pub(in crate::intersect) fn hit(&self) -> Option<&SingleHit> {
+    pub(crate) fn hit(&self) -> Option<&SingleHit> {
         self.met.then_some(&self.hits[self.best])
     }
 

@@ -29,7 +29,7 @@ use crate::patch::ScaledFrame;
 
 /// Rays in flight at a time: enough to fill the lanes with pairs, few enough for their data to stay
 /// near the processor.
-pub(in crate::intersect) const FLIGHTS: usize = 256;
+pub(crate) const FLIGHTS: usize = 256;
 
 /// A ray on its way.
 #[derive(Clone, Debug, Default)]
@@ -51,7 +51,7 @@ struct Flight {
 
 /// Scratch memory and results of tracing a batch of rays.
 #[derive(Debug, Default)]
-pub(in crate::intersect) struct Stream {
+pub(crate) struct Stream {
     flights: Vec<Flight>,
     /// The rays on their way through the boxes, with what each comes to next, and the rays that
     /// wait for their pairs.
@@ -72,19 +72,19 @@ pub(in crate::intersect) struct Stream {
 impl Stream {
     /// Whether a ray has a hit.
     #[inline(always)]
-    pub(in crate::intersect) fn is_met(&self, k: usize) -> bool {
+    pub(crate) fn is_met(&self, k: usize) -> bool {
         self.flights[k].met
     }
 
     /// The hit of a ray, and the factor that converts distances to its ray parameter.
     #[inline(always)]
-    pub(in crate::intersect) fn hit(&self, k: usize) -> (&SingleHit, f64) {
+    pub(crate) fn hit(&self, k: usize) -> (&SingleHit, f64) {
         let flight = &self.flights[k];
         (&flight.hit, flight.t_from_z)
     }
 
     /// Counts of the work done so far.
-    pub(in crate::intersect) fn statistics(&self) -> Statistics {
+    pub(crate) fn statistics(&self) -> Statistics {
         let mut all = self.statistics;
         all += self.single.statistics;
         all
@@ -92,14 +92,14 @@ impl Stream {
 
     /// Whether a ray must be traced by itself, whatever was found for it.
     #[inline(always)]
-    pub(in crate::intersect) fn is_alone(&self, k: usize) -> bool {
+    pub(crate) fn is_alone(&self, k: usize) -> bool {
         self.flights[k].alone
     }
 }
 
 /// Finds the nearest certified hit of each of up to [`FLIGHTS`] rays, or any of each.
 #[simd]
-pub(in crate::intersect) fn trace_stream<S: Simd, Q: Shot>(
+pub(crate) fn trace_stream<S: Simd, Q: Shot>(
     simd: S,
     view: &BvhView<'_>,
     shots: &[Q],

@@ -8,10 +8,10 @@ use crate::patch::TensorPatch;
 /// The degrees of a piece, whether its weights differ, and whether its sums are made by powers.
 /// Pieces of one form can be searched side by side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(in crate::intersect::wide) struct Form {
+pub(crate) struct Form {
     degree: [u8; 2],
-    pub(in crate::intersect::wide) rational: bool,
-    pub(in crate::intersect::wide) by_powers: bool,
+    pub rational: bool,
+    pub by_powers: bool,
 }
 
 const _: () = assert!(bernstein::MAX_DEGREE <= u8::MAX as usize);
@@ -26,27 +26,27 @@ impl Default for Form {
 impl Form {
     /// The form of a piece.
     #[inline(always)]
-    pub(in crate::intersect::wide) fn of(patch: &TensorPatch) -> Self {
+    pub(crate) fn of(patch: &TensorPatch) -> Self {
         let degree = patch.degree().map(|degree| degree as u8);
         Self { degree, rational: patch.is_rational(), by_powers: patch.sums_by_powers() }
     }
 
     /// The form of a piece, if pairs can have it.
     #[inline(always)]
-    pub(in crate::intersect::wide) fn of_pairs(patch: &TensorPatch) -> Option<Self> {
+    pub(crate) fn of_pairs(patch: &TensorPatch) -> Option<Self> {
         let [p, q] = patch.degree();
         (p.max(q) <= MOST_DEGREE).then(|| Self::of(patch))
     }
 
     /// The degrees in `s` and `t`.
     #[inline(always)]
-    pub(in crate::intersect::wide) fn degree(self) -> [usize; 2] {
+    pub(crate) fn degree(self) -> [usize; 2] {
         self.degree.map(usize::from)
     }
 
     /// The larger of both degrees.
     #[inline(always)]
-    pub(in crate::intersect::wide) fn highest_degree(self) -> usize {
+    pub(crate) fn highest_degree(self) -> usize {
         let [p, q] = self.degree();
         p.max(q)
     }
@@ -93,4 +93,4 @@ macro_rules! with_numbers {
     };
 }
 
-pub(in crate::intersect::wide) use {with_degrees, with_numbers};
+pub(crate) use {with_degrees, with_numbers};

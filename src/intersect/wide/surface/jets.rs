@@ -11,7 +11,7 @@ use crate::math::bernstein::{MAX_DEGREE, binomials};
 use crate::patch::{PieceNet, TensorPatch};
 
 /// The control net of each lane's patch.
-pub(in crate::intersect::wide) trait Net<S: Simd> {
+pub(crate) trait Net<S: Simd> {
     /// A row of the net.
     type Row<'a>
     where
@@ -32,9 +32,9 @@ pub(in crate::intersect::wide) trait Net<S: Simd> {
 
 /// One patch for all lanes, and the net for its sums.
 #[derive(Clone, Copy)]
-pub(in crate::intersect::wide) struct OneNet<'a> {
-    pub(in crate::intersect::wide) patch: &'a TensorPatch,
-    pub(in crate::intersect::wide) net: PieceNet<'a>,
+pub(crate) struct OneNet<'a> {
+    pub patch: &'a TensorPatch,
+    pub net: PieceNet<'a>,
 }
 
 impl<S: Simd> Net<S> for OneNet<'_> {
@@ -69,12 +69,12 @@ impl<S: Simd> Net<S> for OneNet<'_> {
 }
 
 /// Points of eight lanes and the derivatives there.
-pub(in crate::intersect::wide) struct Jets<S: Simd> {
-    pub(in crate::intersect::wide) point: [f64x8<S>; 3],
+pub(crate) struct Jets<S: Simd> {
+    pub point: [f64x8<S>; 3],
     /// `S_s`, `S_t`.
-    pub(in crate::intersect::wide) first: [[f64x8<S>; 3]; 2],
+    pub first: [[f64x8<S>; 3]; 2],
     /// `S_ss`, `S_st`, `S_tt`, if they are wanted.
-    pub(in crate::intersect::wide) second: [[f64x8<S>; 3]; 3],
+    pub second: [[f64x8<S>; 3]; 3],
 }
 
 /// Sums of `C` components and their derivatives: by `s`, `t`, `ss`, `st`, `tt`.
@@ -87,7 +87,7 @@ pub(super) struct Sums<S: Simd, const C: usize> {
 /// Evaluates the true surface and its first derivatives at eight places, and with `SECOND` the
 /// second ones, from a net.
 #[inline(always)]
-pub(in crate::intersect::wide) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
+pub(crate) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
     simd: S,
     (net, form): (&T, Form),
     st: &[f64x8<S>; 2],

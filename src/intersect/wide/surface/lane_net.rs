@@ -23,8 +23,8 @@ const MOST_NUMBERS: usize = 4 * (MOST_DEGREE + 1) * (MOST_DEGREE + 1);
 /// Eight nets of one form, interleaved number by number, row by row.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(in crate::intersect::wide) struct LaneNet {
-    pub(in crate::intersect::wide) form: Form,
+pub(crate) struct LaneNet {
+    pub form: Form,
     weight: [f64; 8],
     numbers: Numbers,
     /// Separate room for nets that are not kept; most of these are made in `numbers`.
@@ -45,7 +45,7 @@ impl LaneNet {
     /// Takes in the nets of pieces `first … first + 7` in the lanes that are `wanted`, of which
     /// there is at least one; all other lanes repeat one of these.
     #[simd]
-    pub(in crate::intersect::wide) fn take<S: Simd>(
+    pub(crate) fn take<S: Simd>(
         &mut self,
         simd: S,
         form: Form,

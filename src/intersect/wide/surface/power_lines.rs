@@ -7,7 +7,7 @@ use fearless_simd_macros::simd;
 use crate::patch::{MOST_DEGREE_BY_POWERS, ToPowers};
 
 /// The largest number of points of a line.
-pub(in crate::intersect::wide) const LONG: usize = MOST_DEGREE_BY_POWERS + 1;
+pub(crate) const LONG: usize = MOST_DEGREE_BY_POWERS + 1;
 
 /// For each coefficient the [shares](ToPowers::shares) of control points, for degrees below `N`.
 pub(super) type Shares<S, const N: usize> = [[f64x8<S>; N]; N];

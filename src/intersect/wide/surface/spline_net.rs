@@ -15,7 +15,7 @@ const KEPT: usize = 16;
 /// Nets made for the last searches, of a scene's pieces: neighbouring rays often meet the same
 /// pieces. Room for the nets is allocated once one is made.
 #[derive(Debug, Default)]
-pub(in crate::intersect::wide) struct RecentNets(Option<Box<[RecentNet; KEPT]>>);
+pub(crate) struct RecentNets(Option<Box<[RecentNet; KEPT]>>);
 
 #[derive(Debug)]
 struct RecentNet {
@@ -26,7 +26,7 @@ struct RecentNet {
 impl RecentNets {
     /// [`TensorPatch::sums_source`] of a piece; if the net is not kept here, it is made in lanes.
     #[inline(always)]
-    pub(in crate::intersect::wide) fn net_of<'n, S: Simd>(
+    pub(crate) fn net_of<'n, S: Simd>(
         &'n mut self,
         simd: S,
         (piece, patch): (u32, &'n TensorPatch),
