@@ -5,11 +5,9 @@ use std::fmt;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::coherence::leaf_width;
-use super::tree::nodes::Tree;
+use super::tree::nodes::{Tree, leaf_width};
 use super::tree::regions::tree_over;
 use super::wide::{BLUR, BvhView};
-use super::{Kernel, Tracer};
 use crate::geometry::Charts;
 use crate::math::{Aabb, rounding};
 use crate::patch::{
@@ -81,45 +79,6 @@ impl SurfaceBvh {
         // Twice the error bound of a point: the second time for rounding of distances up to there.
         let surroundings = set.bounds().grown(2.0 * reach.factor * reach_of_f32);
         Ok(Self { set, leaves, weights, windows, tree, leaf_width, reach_of_f32, surroundings })
-    }
-
-    /// Returns a tracer for this thread, with the default kernel.
-    ///
-    /// A tracer takes longer to make than a ray to trace: memory is allocated, and the processor's
-    /// instructions are detected. Keep one for each thread, or for each large batch:
-    ///
-    /// ```
-    /// use glam::DVec3;
-    /// use nurbray::geometry::shapes;
-    /// use nurbray::intersect::{Coherence, SurfaceBvh};
-    /// use nurbray::math::Ray;
-    /// use rayon::prelude::*;
-    ///
-    /// let bvh = SurfaceBvh::build(&[shapes::sphere(1.0)?])?;
-    /// let down = |k| Ray::new(DVec3::new(1e-4 * f64::from(k), 0.1, 2.0), DVec3::NEG_Z);
-    /// let rays = (0..20_000).map(down).collect::<Result<Vec<_>, _>>()?;
-    ///
-    /// let hits: usize = rays
-    ///     .par_chunks(2048)
-    ///     .map_init(
-    ///         || (bvh.tracer(), Vec::new()),
-    ///         |(tracer, answers), rays| {
-    ///             tracer.first_hits(rays, Coherence::Coherent, answers);
-    ///             answers.iter().filter(|answer| answer.hit.is_some()).count()
-    ///         },
-    ///     )
-    ///     .sum();
-    /// assert_eq!(hits, 9950);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn tracer(&self) -> Tracer<'_> {
-        self.tracer_with(Kernel::default())
-    }
-
-    /// Returns a tracer for this thread with the given kernel, or with the scalar one if this
-    /// processor cannot run it ([`Kernel::is_available`]); [`Tracer::kernel`] says which it is.
-    pub fn tracer_with(&self, kernel: Kernel) -> Tracer<'_> {
-        Tracer::new(self, kernel)
     }
 
     /// The pieces.

@@ -1,7 +1,6 @@
 //! How neighbouring rays are best traced.
 
 use super::SurfaceBvh;
-use crate::patch::Leaf;
 
 /// Whether neighbouring rays of a batch are alike, so that packets pay off.
 ///
@@ -73,22 +72,11 @@ impl SurfaceBvh {
     }
 }
 
-/// The width of the leaves that rays meet, in scene units: a harmonic mean, weighted by area.
-pub(super) fn leaf_width(leaves: &[Leaf]) -> f64 {
-    let (mut areas, mut widths) = (0.0, 0.0);
-    for leaf in leaves {
-        let [x, y] = leaf.half_side_lengths().map(f64::from);
-        let area = 4.0 * x * y;
-        areas += area;
-        widths += area.sqrt();
-    }
-    if areas > 0.0 { areas / widths } else { 0.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::shapes;
+    use crate::intersect::tree::nodes::leaf_width;
 
     #[test]
     fn packets_are_for_rays_closer_than_leaves() {

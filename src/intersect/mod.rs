@@ -25,7 +25,8 @@
 //! |---|---|
 //! | `tree` | the hierarchy of boxes that all kernels traverse |
 //! | `scalar` | what is computed: the readable specification |
-//! | `crossings` | which roots count as hits, and which of them are one crossing |
+//! | `roots` | which roots count as hits |
+//! | `crossings` | which hits are one crossing |
 //! | `exact` | why it is certain: the exact solver |
 //! | `wide` | how it is made fast: the other kernels, and their proofs |
 //! | `tracer` | how a tracer asks those kernels, and puts answers together |
@@ -35,7 +36,7 @@
 //!
 //! Answers are certain because of two proofs: one per leaf, made once (its certificate: which rays
 //! meet the leaf at most once), and one per ray (the `exact` solver's test of existence and
-//! uniqueness). `crossings` says which roots count where surfaces end. The fast kernels add three
+//! uniqueness). `roots` says which roots count where surfaces end. The fast kernels add three
 //! proofs of their own, in `wide/proof`: what a leaf's approximation proves about one ray
 //! (`one_ray`) or about its only root (`screen`), and when a ray that leaves a leaf cannot come
 //! back to it (`departure`).
@@ -90,6 +91,7 @@ mod crossings;
 mod exact;
 mod hit;
 mod kernel;
+mod roots;
 mod scalar;
 mod statistics;
 mod tracer;

@@ -14,9 +14,11 @@ use fearless_simd::Level;
 use glam::DVec3;
 
 use super::crossings::merge::merge;
-use super::scalar::accept::AROUND;
+use super::roots::accept::AROUND;
+use super::roots::meeting::Meeting;
+use super::roots::question::{PlacedLeaf, Question};
+use super::scalar::findings::Findings;
 use super::scalar::leaf_search;
-use super::scalar::meeting::{Findings, Meeting, PlacedLeaf, Question};
 use super::tree::nodes::ChildCode;
 use super::wide::{PACKET, Packet, SingleWork, Stream, Work};
 use super::{
@@ -39,6 +41,53 @@ pub struct Tracer<'a> {
     packets: Box<PacketScratch>,
     single: SingleWork,
     stream: Stream,
+}
+
+impl SurfaceBvh {
+    /// Returns a tracer for this thread, with the default kernel.
+    ///
+    /// A tracer takes longer to make than a ray to trace: memory is allocated, and the processor's
+    /// instructions are detected. Keep one for each thread, or for each large batch:
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use nurbray::geometry::shapes;
+    /// use nurbray::intersect::{Coherence, SurfaceBvh};
+    /// use nurbray::math::Ray;
+    /// use rayon::prelude::*;
+    ///
+    /// let bvh = SurfaceBvh::build(&[shapes::sphere(1.0)?])?;
+    /// let down = |k| Ray::new(DVec3::new(1e-4 * f64::from(k), 0.1, 2.0), DVec3::NEG_Z);
+    /// let rays = (0..20_000).map(down).collect::<Result<Vec<_>, _>>()?;
+    ///
+    /// let hits: usize = rays
+    ///     .par_chunks(2048)
+    ///     .map_init(
+    ///         || (bvh.tracer(), Vec::new()),
+    ///         |(tracer, answers), rays| {
+    ///             tracer.first_hits(rays, Coherence::Coherent, answers);
+    ///             answers.iter().filter(|answer| answer.hit.is_some()).count()
+    ///         },
+    ///     )
+    ///     .sum();
+    /// assert_eq!(hits, 9950);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn tracer(&self) -> Tracer<'_> {
+        self.tracer_with(Kernel::default())
+    }
+
+    /// Returns a tracer for this thread with the given kernel, or with the scalar one if this
+    /// processor cannot run it ([`Kernel::is_available`]); [`Tracer::kernel`] says which it is.
+    pub fn tracer_with(&self, kernel: Kernel) -> Tracer<'_> {
+        Tracer::new(self, kernel)
+    }
+
+    /// A leaf with its piece and the given box, for a search.
+    fn place<'b>(&'b self, leaf: u32, oriented: &'b OrientedBox) -> PlacedLeaf<'b> {
+        let leaf = &self.leaves[leaf as usize];
+        PlacedLeaf { leaf, oriented, piece: &self.set.pieces()[leaf.piece as usize] }
+    }
 }
 
 /// Scratch memory for packets.
@@ -78,7 +127,7 @@ impl fmt::Debug for Tracer<'_> {
 type Search = fn(&Question<'_>, &PlacedLeaf<'_>, &Passage, f64, &mut Findings);
 
 impl<'a> Tracer<'a> {
-    pub(super) fn new(bvh: &'a SurfaceBvh, kernel: Kernel) -> Self {
+    fn new(bvh: &'a SurfaceBvh, kernel: Kernel) -> Self {
         let level = kernel.level();
         Self {
             bvh,
@@ -289,14 +338,6 @@ fn exactly(
     findings.statistics.leaf_tests += 1;
     let from = leaf_search::met_from(place, passage, question.ray);
     leaf_search::search_exactly(question, place, from, limit, findings);
-}
-
-impl SurfaceBvh {
-    /// A leaf with its piece and the given box, for a search.
-    fn place<'b>(&'b self, leaf: u32, oriented: &'b OrientedBox) -> PlacedLeaf<'b> {
-        let leaf = &self.leaves[leaf as usize];
-        PlacedLeaf { leaf, oriented, piece: &self.set.pieces()[leaf.piece as usize] }
-    }
 }
 
 /// Two points of a surface count as one place if they are closer than this many times the sum of

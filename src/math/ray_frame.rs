@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::Ray;
 
@@ -47,6 +47,11 @@ impl RayFrame {
     /// A vector's components along the planes' normals and along the ray.
     pub fn along_axes(&self, v: DVec3) -> DVec3 {
         DVec3::new(self.normals[0].dot(v), self.normals[1].dot(v), self.axis.dot(v))
+    }
+
+    /// A vector's components along the planes' normals.
+    pub fn across(&self, v: DVec3) -> DVec2 {
+        DVec2::new(self.normals[0].dot(v), self.normals[1].dot(v))
     }
 
     /// The point's distance from the ray's line.

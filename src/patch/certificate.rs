@@ -109,6 +109,14 @@ const SLOPE_ROUNDING: f64 = 1e-5;
 /// points of the piece, may each be off by the error bound; and slopes are in f32.
 const ROOM: f64 = 4.0;
 
+/// The margin on each product of the residual with an axis, as a share of the residual, where a miss
+/// is proved: far more than what rounding changes, of a residual that is [`CLEAR`] of the error, of
+/// the point that it is compared with, or of axes in f32.
+pub(crate) const SURELY: f64 = 1e-3;
+
+/// A miss is only proved from residuals more than this many times the error.
+pub(crate) const CLEAR: f64 = 1e4;
+
 impl Certificate {
     /// The certificate of the net over the widened rectangle, for rays measured by the leaf's
     /// box. It holds for no ray when the tangents turn too far, or nothing can be said.

@@ -64,7 +64,7 @@ fn mapped(net: &[DVec4], change: impl Fn(DVec4) -> DVec4) -> BezierNet {
     mapped
 }
 
-pub(crate) use certificate::Certificate;
+pub(crate) use certificate::{CLEAR, Certificate, SURELY};
 pub use collapsed_side::CollapsedSide;
 pub(crate) use fit::{MOST_WEIGHT, WeightFit};
 pub(crate) use fit_error::{FIT_DOMAIN, FitError};

@@ -4,11 +4,11 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::{DVec2, DVec3};
 
-use super::borders::trim_reach;
 use super::same_place::{Reach, moved};
 use crate::geometry::Direction;
 use crate::intersect::HitFlags;
-use crate::intersect::scalar::meeting::Meeting;
+use crate::intersect::roots::borders::trim_reach;
+use crate::intersect::roots::meeting::Meeting;
 use crate::math::bernstein::restrict;
 use crate::patch::{CollapsedSide, Piece};
 

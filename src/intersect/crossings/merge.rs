@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::same_place::{at_one_place, reach_along};
 use super::vertices;
 use crate::intersect::HitFlags;
-use crate::intersect::scalar::meeting::Meeting;
+use crate::intersect::roots::meeting::Meeting;
 use crate::patch::Piece;
 
 /// Sorts meetings by `t` and merges those that are one crossing: at the same place, with

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::merge::has_no_normal;
 use crate::intersect::HitFlags;
-use crate::intersect::scalar::meeting::Meeting;
+use crate::intersect::roots::meeting::Meeting;
 use crate::patch::{Jet, Piece};
 
 /// Surfaces met at a smaller cosine than this, the root of the unit roundoff, cannot be told from

@@ -18,7 +18,7 @@ use super::faces::Face;
 use super::merge::{has_no_normal, touches};
 use super::same_place::{Reach, at_one_place, reach_along};
 use crate::intersect::HitFlags;
-use crate::intersect::scalar::meeting::Meeting;
+use crate::intersect::roots::meeting::Meeting;
 use crate::patch::Piece;
 
 /// How far a sum of angles may be from a whole number of turns, in turns: far more than the

@@ -2,7 +2,7 @@
 
 mod ends;
 
-use glam::{DMat2, DVec2, DVec3};
+use glam::{DMat2, DVec2};
 
 use super::contact::{self, Contact};
 use super::parameter_box::{Bounds, Preconditioned, RayNet};
@@ -402,8 +402,7 @@ impl ExactSolver {
 fn linearised(problem: &Problem<'_>, st: DVec2) -> (DMat2, DVec2) {
     let jet = problem.patch.jet(st);
     let at = problem.ray.coordinates(jet.point).truncate();
-    let project = |v: DVec3| problem.ray.along_axes(v).truncate();
-    (DMat2::from_cols(project(jet.ds), project(jet.dt)), at)
+    (DMat2::from_cols(problem.ray.across(jet.ds), problem.ray.across(jet.dt)), at)
 }
 
 /// The rotation that turns the direction in which a linear map stretches most into the

@@ -2,12 +2,13 @@
 
 use glam::DVec2;
 
-use super::accept::{AROUND, accept};
+use super::findings::Findings;
 use super::hull::Hull;
-use super::meeting::{Findings, PlacedLeaf, Question};
 use super::newton::{Grounds, Newton, newton};
-use crate::intersect::crossings::borders::{error_bound, on_piece};
 use crate::intersect::exact::{Problem, Proof, Rect, Solution, holds};
+use crate::intersect::roots::accept::{AROUND, Dropped, accept};
+use crate::intersect::roots::borders::on_piece;
+use crate::intersect::roots::question::{PlacedLeaf, Question};
 use crate::math::RayFrame;
 use crate::patch::{CollapsedSide, LEAF_SLACK, Leaf, Passage, Piece, WIDENING};
 
@@ -30,7 +31,7 @@ pub(crate) fn search(
     findings.statistics.leaf_tests += 1;
     let PlacedLeaf { leaf, oriented, piece } = *place;
     let ray = question.ray;
-    let error = error_bound(piece, ray);
+    let error = piece.patch.error_bound(ray.magnitude);
 
     if certified(place, ray, error) {
         let widened = leaf.widened(piece, WIDENING);
@@ -49,7 +50,7 @@ pub(crate) fn search(
             Newton::Converged { st, jet, z } => {
                 if holds(wanted, st) {
                     let solution = Solution { st, proof: Proof::Isolated(widened) };
-                    accept(question, place, &solution, Some((jet, z)), findings);
+                    findings.add(accept(question, place, &solution, Some((jet, z))));
                 }
                 return;
             }
@@ -66,8 +67,7 @@ pub(crate) fn search(
 }
 
 /// Searches a leaf the exact way: all roots by subdivision, whatever the certificate says. `from`
-/// is the result of
-/// [`met_from`]: if it is `None`, only proved roots count.
+/// is the result of [`met_from`]: if it is `None`, only proved roots count.
 pub(crate) fn search_exactly(
     question: &Question<'_>,
     place: &PlacedLeaf<'_>,
@@ -75,33 +75,15 @@ pub(crate) fn search_exactly(
     z_limit: f64,
     findings: &mut Findings,
 ) {
-    let PlacedLeaf { leaf, piece, .. } = *place;
-    let error = error_bound(piece, question.ray);
+    let (ray, piece) = (question.ray, place.piece);
     if findings.effort >= MOST_EFFORT {
         if let Some(z) = from {
-            findings.doubt_at(z * question.ray.t_from_z);
+            findings.doubt_at(z * ray.t_from_z);
         }
         return;
     }
-    let (rect, is_all) = searched(leaf, piece, error);
-    let [z_min, z_max] = question.ray.z_range;
-    let problem = Problem {
-        patch: &piece.patch,
-        rect,
-        wanted: leaf.rect(),
-        collapsed: leaf.collapsed(piece),
-        ray: question.ray,
-        error,
-        z_range: [z_min, z_max.min(z_limit)],
-    };
-    let mut solutions = std::mem::take(&mut findings.solutions);
-    solutions.clear();
-    let before = findings.solver.boxes;
-    findings.solver.solve(&problem, &mut solutions);
-    findings.statistics.exact_calls += 1;
-    let boxes = findings.solver.boxes - before;
-    findings.effort += boxes * cost_of_box(piece.patch.degree());
-    findings.statistics.exact_boxes += boxes;
+    let (problem, is_all) = problem(place, ray, z_limit);
+    let mut solutions = findings.solve(&problem, cost_of_box(piece.patch.degree()));
     let is_proved = |solution: &Solution| solution.proof.stretch().is_none();
     if from.is_none() {
         // In the slack, weights may vanish and the surface may be anywhere.
@@ -109,32 +91,62 @@ pub(crate) fn search_exactly(
     }
     let earliest = solutions.iter().filter_map(|solution| open_from(solution.proof, &problem));
     let earliest = earliest.fold(f64::INFINITY, f64::min);
-    clip_stretches(piece, question.ray, &mut solutions);
-    let known = findings.meetings.len();
-    let doubt = std::mem::replace(&mut findings.doubt, f64::INFINITY);
+    clip_stretches(piece, ray, &mut solutions);
+
+    // The smallest ray parameter at which something of this leaf may have been missed.
+    let mut doubt = f64::INFINITY;
+    let mut any = false;
     for solution in &solutions {
-        accept(question, place, solution, None, findings);
+        match accept(question, place, solution, None) {
+            Ok(meeting) => {
+                findings.meetings.push(meeting);
+                any = true;
+            }
+            Err(Dropped::InDoubt(t)) => doubt = doubt.min(t),
+            Err(Dropped::Surely) => {}
+        }
     }
-    if findings.meetings.len() == known {
+    if !any {
         if let Some(z) = from.filter(|_| !is_all && !solutions.iter().any(is_proved)) {
-            findings.doubt_at(z * question.ray.t_from_z);
+            doubt = doubt.min(z * ray.t_from_z);
         }
         // The places that stand for a stretch may have been moved out of the ray's range, far from
         // the origin.
-        if earliest < f64::INFINITY {
-            findings.doubt_at(earliest * question.ray.t_from_z);
-        }
+        doubt = doubt.min(earliest * ray.t_from_z);
     }
-    let nearest = from.map_or(f64::NEG_INFINITY, |z| z * question.ray.t_from_z);
-    findings.doubt = doubt.min(findings.doubt.max(nearest));
+    // No part of the leaf is nearer.
+    findings.doubt_at(from.map_or(doubt, |z| doubt.max(z * ray.t_from_z)));
     findings.solutions = solutions;
+}
+
+/// The problem of finding all roots of a ray on a leaf, as far as `z_limit` along the ray, and
+/// whether these are all that count.
+fn problem<'a>(
+    &PlacedLeaf { leaf, piece, .. }: &PlacedLeaf<'a>,
+    ray: &'a RayFrame,
+    z_limit: f64,
+) -> (Problem<'a>, bool) {
+    let error = piece.patch.error_bound(ray.magnitude);
+    let (rect, is_all) = searched(leaf, piece, error);
+    let [z_min, z_max] = ray.z_range;
+    let problem = Problem {
+        patch: &piece.patch,
+        rect,
+        wanted: leaf.rect(),
+        collapsed: leaf.collapsed(piece),
+        ray,
+        error,
+        z_range: [z_min, z_max.min(z_limit)],
+    };
+    (problem, is_all)
 }
 
 /// The distance along the ray from which on it may meet a leaf, or pass it within rounding: not
 /// before it enters the leaf's box, nor before the nearest control point. `None` if the ray passes
 /// by the control points' hull.
 pub(crate) fn met_from(place: &PlacedLeaf<'_>, passage: &Passage, ray: &RayFrame) -> Option<f64> {
-    let (hull, error) = (Hull::of(place.leaf, place.piece, ray), error_bound(place.piece, ray));
+    let (hull, error) =
+        (Hull::of(place.leaf, place.piece, ray), place.piece.patch.error_bound(ray.magnitude));
     let nearest = hull.nearest_z().max(passage.entry) - error;
     (!hull.is_passed_by(AROUND * error)).then_some(nearest.max(ray.z_range[0]))
 }

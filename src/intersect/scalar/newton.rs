@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use crate::intersect::exact::Rect;
 use crate::math::{RayFrame, rounding};
-use crate::patch::{Jet, TensorPatch};
+use crate::patch::{CLEAR, Jet, SURELY, TensorPatch};
 
 /// The most steps: from a flat leaf's middle plane three are usual, since the number of
 /// correct digits doubles; what needs more steps than this is left to the exact solver.
@@ -41,14 +41,6 @@ pub(super) struct Grounds {
     pub(super) axes: [DVec3; 3],
     pub(super) bend: [[f64; 2]; 2],
 }
-
-/// The margin on each product of the residual with an axis, as a share of the residual: far more
-/// than what rounding changes, of a residual that is [`CLEAR`] of the error, of the point that it
-/// is compared with, or of axes in f32.
-pub(crate) const SURELY: f64 = 1e-3;
-
-/// A miss is only proved from residuals more than this many times the error.
-pub(crate) const CLEAR: f64 = 1e4;
 
 impl Grounds {
     /// Whether the step `−delta` from `st` proves that the leaf is missed; `f` is the residual.
@@ -117,7 +109,7 @@ pub(super) fn newton(
             return (converged, steps);
         }
 
-        let (a, b) = (project(ray, jet.ds), project(ray, jet.dt));
+        let (a, b) = (ray.across(jet.ds), ray.across(jet.dt));
         let delta = DVec2::new(f.perp_dot(b), a.perp_dot(f)) / a.perp_dot(b);
         if residual > CLEAR * error && grounds.rule_out(ray, st, delta, f) {
             return (Newton::Missed, steps);
@@ -132,9 +124,4 @@ pub(super) fn newton(
         st = next;
     }
     (best.map_or(Newton::Failed, |(_, converged)| converged), steps)
-}
-
-/// The components of a vector along the normals of the ray's two planes.
-pub(crate) fn project(ray: &RayFrame, v: DVec3) -> DVec2 {
-    DVec2::new(ray.normals[0].dot(v), ray.normals[1].dot(v))
 }

@@ -2,9 +2,10 @@
 //! undecided.
 
 use super::{PacketScratch, answer_of};
-use crate::intersect::crossings::borders::{at_border, error_bound};
 use crate::intersect::hit::StartIn;
-use crate::intersect::scalar::meeting::{CertainHit, Meeting, occlusion};
+use crate::intersect::roots::borders::at_border;
+use crate::intersect::roots::meeting::{CertainHit, Meeting};
+use crate::intersect::scalar::findings::occlusion;
 use crate::intersect::wide::{Ahead, LaneHit, Moment, PACKET, ReadAhead, Wanted, trace};
 use crate::intersect::{Answer, HitFlags, Occlusion, Shot, Tracer};
 use crate::math::bits::{has, set_bits};
@@ -179,7 +180,7 @@ fn meeting(set: &PatchSet, frame: &RayFrame, hit: &LaneHit) -> Meeting {
     let mut normal = normal.is_finite().then_some(normal);
     if needs_look {
         normal = piece.normal(st, &jet);
-        if at_border(piece, st, &jet, error_bound(piece, frame)) {
+        if at_border(piece, st, &jet, piece.patch.error_bound(frame.magnitude)) {
             flags.insert(HitFlags::BORDER);
         }
     }

@@ -5,10 +5,11 @@ use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
 use super::answer_of;
-use crate::intersect::crossings::borders::{at_border, error_bound};
 use crate::intersect::hit::StartIn;
+use crate::intersect::roots::borders::at_border;
+use crate::intersect::roots::meeting::{CertainHit, Meeting};
+use crate::intersect::roots::question::Question;
 use crate::intersect::scalar::leaf_search;
-use crate::intersect::scalar::meeting::{CertainHit, Meeting, Question};
 use crate::intersect::wide::{BvhView, SingleHit, SingleRay, Wanted, trace_single};
 use crate::intersect::{Answer, Hit, HitFlags, Occlusion, Query, Root, Shot, Tracer};
 use crate::math::{Ray, RayFrame};
@@ -84,7 +85,7 @@ impl Tracer<'_> {
         let mut limit = limit;
         for (passage, index, oriented) in met {
             let place = bvh.place(index, &oriented);
-            let slack = error_bound(place.piece, frame);
+            let slack = place.piece.patch.error_bound(frame.magnitude);
             if passage.entry > limit + slack {
                 continue;
             }
@@ -208,7 +209,7 @@ impl<'a> Certain<'a> {
         }
         if leaf.is_at_border() && near_border(leaf, piece, hit.st) {
             let jet = piece.patch.jet(hit.st);
-            let error = error_bound(piece, &RayFrame::new(ray));
+            let error = piece.patch.error_bound(ray.origin().abs().max_element());
             if at_border(piece, hit.st, &jet, error) {
                 flags.insert(HitFlags::BORDER);
             }

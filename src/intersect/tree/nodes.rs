@@ -5,7 +5,6 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::intersect::coherence::leaf_width;
 use crate::patch::{Leaf, MOST_TOGETHER, OrientedBox, ScaledBox, ScaledFrame};
 
 /// The most children of a node, and the most leaves in a block: the lanes of a vector of f32.
@@ -260,4 +259,16 @@ impl Tree {
             + size_of_val(&self.starts[..])
             + size_of_val(&self.regions[..])
     }
+}
+
+/// The width of the leaves that rays meet, in scene units: a harmonic mean, weighted by area.
+pub(crate) fn leaf_width(leaves: &[Leaf]) -> f64 {
+    let (mut areas, mut widths) = (0.0, 0.0);
+    for leaf in leaves {
+        let [x, y] = leaf.half_side_lengths().map(f64::from);
+        let area = 4.0 * x * y;
+        areas += area;
+        widths += area.sqrt();
+    }
+    if areas > 0.0 { areas / widths } else { 0.0 }
 }

@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::single::ray::HitPlace;
 use super::view::BvhView;
 use crate::geometry::trim::{self, Side, WINDOW_REACH, WINDOW_SPARE, WindowCurve};
-use crate::intersect::crossings::borders::{TRIM_REACH, TRIM_SPARE, trim_reach};
+use crate::intersect::roots::borders::{TRIM_REACH, TRIM_SPARE, trim_reach};
 use crate::patch::{FIT_DOMAIN, Leaf, WIDENING};
 
 /// How near a trim edge must be, in either parameter, in units of the error times an upper bound of

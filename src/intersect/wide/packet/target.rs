@@ -4,7 +4,6 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8, mask64x8
 use fearless_simd_macros::simd;
 use glam::DVec3;
 
-use crate::intersect::scalar::newton::{CLEAR, SURELY};
 use crate::intersect::wide::proof::bounds::WITH_SLACK;
 use crate::intersect::wide::search::distances::widened;
 use crate::intersect::wide::search::newton::{Leaves, Rays, Step};
@@ -12,7 +11,7 @@ use crate::intersect::wide::surface::form::Form;
 use crate::intersect::wide::surface::jets::{Jets, OneNet, jets};
 use crate::intersect::wide::vectors::dot_d;
 use crate::intersect::wide::view::{BvhView, Fitted};
-use crate::patch::{BESIDE_COLLAPSED, Leaf, OrientedBox, Piece, WIDENING};
+use crate::patch::{BESIDE_COLLAPSED, CLEAR, Leaf, OrientedBox, Piece, SURELY, WIDENING};
 
 /// A leaf, its piece, and which leaf it is.
 #[derive(Clone, Copy)]

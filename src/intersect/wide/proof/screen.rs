@@ -31,13 +31,12 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 use fearless_simd_macros::simd;
 
 use super::bounds::{DISTANCE_ROUNDING, LARGEST, LEAF};
-use crate::intersect::scalar::newton::{CLEAR, SURELY};
 use crate::intersect::wide::packet::box_crossing::{BoxCrossing, upright};
 use crate::intersect::wide::packet::rays::Packet;
 use crate::intersect::wide::packet::target::Target;
 use crate::intersect::wide::search::distances::{LaneDistances, LastStep, NearRoots, sizes};
 use crate::intersect::wide::vectors::{lane_bits, load3, splat};
-use crate::patch::WIDENING;
+use crate::patch::{CLEAR, SURELY, WIDENING};
 
 /// Half the side of the largest square about the root that was found, in box coordinates.
 const MOST_OFF: f32 = 1.0 / 128.0;

@@ -4,29 +4,12 @@
 //! hit is given a kept parameter, so that its parameters, and the normal that goes with them,
 //! belong to a part that is kept.
 
-use glam::{DVec2, DVec3};
-
+use super::spot::Spot;
 use crate::geometry::Direction;
 use crate::math::RayFrame;
-use crate::patch::{CollapsedSide, Jet, PatchSet, Piece};
-
-/// A place on a piece of a surface.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Spot<'a> {
-    /// The piece's number, and the piece.
-    pub index: u32,
-    pub piece: &'a Piece,
-    pub st: DVec2,
-    pub jet: Jet,
-}
+use crate::patch::{CollapsedSide, PatchSet, Piece};
 
 impl<'a> Spot<'a> {
-    /// The normal there, if there is one, and its cosine with the ray's direction, else 0.
-    pub(crate) fn normal_along(&self, ray: &RayFrame) -> (Option<DVec3>, f64) {
-        let normal = self.piece.normal(self.st, &self.jet);
-        (normal, normal.map_or(0.0, |normal| normal.dot(ray.axis)))
-    }
-
     /// The nearest place along a collapsed side that trims keep, perhaps on another piece that ends
     /// in the same pole; `None` if there is none, or if it is farther than `allowed` from the ray.
     pub(crate) fn kept(

@@ -2,36 +2,22 @@
 
 use glam::{DVec2, DVec3};
 
-use super::meeting::{Findings, Meeting, PlacedLeaf, Question};
-use crate::geometry::trim::Side;
-use crate::intersect::crossings::borders::{
-    TRIM_REACH, TRIM_SPARE, at_border, error_bound, on_piece, rounding_at, trim_reach, trim_side,
+use super::borders::{
+    TRIM_REACH, TRIM_SPARE, at_border, on_piece, rounding_at, trim_reach, trim_side,
 };
-use crate::intersect::crossings::grazing::KnownRoot;
-use crate::intersect::crossings::kept_pole::Spot;
+use super::grazing::KnownRoot;
+use super::meeting::Meeting;
+use super::question::{PlacedLeaf, Question};
+use super::spot::Spot;
+use crate::geometry::trim::Side;
 use crate::intersect::exact::{AT_POLE, END, Proof, STRETCH, Solution, holds};
 use crate::intersect::{HitFlags, Root};
 use crate::math::{RayFrame, rounding};
 use crate::patch::{Jet, Leaf, Piece};
 
-/// Adds a solution to the findings: as a meeting if it lies on the piece and in the ray's range, as
-/// a doubt where this is undecided.
-pub(super) fn accept(
-    question: &Question<'_>,
-    place: &PlacedLeaf<'_>,
-    solution: &Solution,
-    known: Option<(Jet, f64)>,
-    findings: &mut Findings,
-) {
-    match meeting(question, place, solution, known) {
-        Ok(meeting) => findings.meetings.push(meeting),
-        Err(Dropped::InDoubt(t)) => findings.doubt_at(t),
-        Err(Dropped::Surely) => {}
-    }
-}
-
 /// Why a solution is no meeting.
-enum Dropped {
+pub(crate) enum Dropped {
+    /// Nothing is met there.
     Surely,
     /// Something may still be met from this ray parameter on.
     InDoubt(f64),
@@ -44,8 +30,12 @@ impl Dropped {
     }
 }
 
-/// The meeting of a solution, or why it is none.
-fn meeting(
+/// The meeting of a solution, if it lies on the piece and in the ray's range. `known` is the surface
+/// at the solution and its distance along the ray, if the search has them.
+///
+/// # Errors
+/// Why it is none.
+pub(crate) fn accept(
     question: &Question<'_>,
     place: &PlacedLeaf<'_>,
     solution: &Solution,
@@ -94,7 +84,7 @@ impl<'a> Candidate<'a> {
     ) -> Self {
         let (ray, proof) = (question.ray, solution.proof);
         let OnRay { ref spot, z, .. } = on_ray;
-        let error = error_bound(spot.piece, ray);
+        let error = spot.piece.patch.error_bound(ray.magnitude);
         let (normal, cosine) = spot.normal_along(ray);
         let mut flags = match proof {
             Proof::Isolated(_) | Proof::Collapsed => HitFlags::NONE,
@@ -267,7 +257,7 @@ fn on_ray<'a>(
     solution: &Solution,
     known: Option<(Jet, f64)>,
 ) -> Result<OnRay<'a>, Dropped> {
-    let error = error_bound(piece, ray);
+    let error = piece.patch.error_bound(ray.magnitude);
     let st = on_piece(piece, ray, solution.st);
     let moved = st != solution.st;
     let (jet, z) = known.filter(|_| !moved).unwrap_or_else(|| {

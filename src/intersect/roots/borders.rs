@@ -6,16 +6,11 @@ use glam::{DVec2, DVec3};
 use super::grazing::KnownRoot;
 use crate::geometry::trim::Side;
 use crate::intersect::exact::holds;
-use crate::intersect::scalar::newton::project;
 use crate::math::RayFrame;
 use crate::patch::{BORDER_REACH, Jet, Leaf, Piece, WIDENING};
 
-/// Error bound of a computed point of the piece, for this ray, in scene units.
-pub(crate) fn error_bound(piece: &Piece, ray: &RayFrame) -> f64 {
-    piece.patch.error_bound(ray.magnitude)
-}
-
-/// The [`error_bound`] of a piece whose coordinates are no larger than those of `point`.
+/// The [error bound](crate::patch::TensorPatch::error_bound) of a piece whose coordinates are no
+/// larger than those of `point`.
 pub(crate) fn rounding_at(point: DVec3, piece: &Piece, ray: &RayFrame) -> f64 {
     piece.patch.residual_factor() * point.abs().max_element().max(ray.magnitude)
 }
@@ -48,7 +43,7 @@ pub(crate) fn on_piece(piece: &Piece, ray: &RayFrame, st: DVec2) -> DVec2 {
 fn along_border(piece: &Piece, ray: &RayFrame, start: DVec2, free: DVec2) -> DVec2 {
     // Gauss–Newton steps double the correct digits, but only near the end of a long way.
     let most_steps = 8;
-    let near = AT_RAY * error_bound(piece, ray);
+    let near = AT_RAY * piece.patch.error_bound(ray.magnitude);
     let mut nearest = start;
     for _ in 0..most_steps {
         let jet = piece.patch.jet(nearest);
@@ -56,7 +51,7 @@ fn along_border(piece: &Piece, ray: &RayFrame, start: DVec2, free: DVec2) -> DVe
         if at.length() <= near {
             break;
         }
-        let along = project(ray, free.x * jet.ds + free.y * jet.dt);
+        let along = ray.across(free.x * jet.ds + free.y * jet.dt);
         let step = along.dot(at) / along.length_squared();
         if !step.is_finite() {
             break;
