@@ -26,7 +26,8 @@
 //! | | |
 //! |---|---|
 //! | `view`, `wanted` | what is searched, and what rays ask for |
-//! | `vectors`, `frames` | vectors in lanes, and rays in lanes |
+//! | `reach`, `hit_place` | how far leaves reach, and where a hit is |
+//! | `vectors`, `frames`, `lane_rays` | vectors in lanes, and rays in lanes |
 //! | `box_ray` | one ray against sixteen boxes |
 //! | `surface` | the true surface in lanes, in f64 |
 //! | `search` | starts in f32, Newton's iteration in f64, and when both end |
@@ -39,17 +40,20 @@
 //! | | `packet` | `single` | `stream` |
 //! |---|---|---|---|
 //! | rays | `read_ahead`, `outline`, `load`, `rays` | `ray` | `traverse` |
-//! | the tree | `traverse`, `apart` | `traverse` | `traverse` |
+//! | the tree | `traverse`, `shared_bounds`, `apart` | `traverse` | `traverse` |
 //! | a leaf: box, certificate | `leaf`, `box_crossing` | `traverse` | `traverse` |
-//! | its start in f32 | `leaf`, by `search::distances` and `proof::screen` | `search` | `pairs` |
-//! | its own proof | `doubts`, by `proof::lanes` | by `proof::one_ray` | as a single ray |
+//! | its start in f32 | `leaf`, by `search::distances`; `screening` | by `search::one_ray` | `pairs` |
+//! | a proof of its own | `doubts`, by `proof::lanes` | by `proof::one_ray` | by either |
 //! | the end in f64 | `target`, `finish` | `jet`, `finish` | `finish` |
 
 mod box_ray;
 mod frames;
+mod hit_place;
+mod lane_rays;
 mod nearest;
 mod packet;
 mod proof;
+mod reach;
 mod search;
 mod single;
 mod start;
@@ -64,7 +68,8 @@ pub(super) use box_ray::BLUR;
 pub(super) use packet::hits::LaneHit;
 pub(super) use packet::rays::Packet;
 pub(super) use packet::read_ahead::{Ahead, Moment, ReadAhead};
-pub(super) use packet::traverse::{Work, trace};
+pub(super) use packet::traverse::trace;
+pub(super) use packet::work::Work;
 pub(super) use single::ray::{SingleHit, SingleRay};
 pub(super) use single::traverse::{SingleWork, trace_single};
 pub(super) use stream::traverse::{FLIGHTS, Stream, trace_stream};

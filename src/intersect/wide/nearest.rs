@@ -1,6 +1,6 @@
 //! Which of two hits counts.
 
-use super::single::ray::HitPlace;
+use super::hit_place::HitPlace;
 use super::trimmed::trims_keep;
 use super::view::BvhView;
 use crate::patch::Leaf;

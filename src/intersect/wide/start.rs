@@ -22,7 +22,7 @@ pub(crate) struct Start<'a> {
 impl Start<'_> {
     /// The ray's start in a leaf's box coordinates, if it lies on the leaf's piece.
     #[inline(always)]
-    pub(super) fn place_in(&self, leaf: &Leaf) -> Option<[f32; 2]> {
+    pub(crate) fn place_in(&self, leaf: &Leaf) -> Option<[f32; 2]> {
         let root = self.from.filter(|root| root.piece == leaf.piece)?;
         Some(leaf.box_coordinates(root.st).as_vec2().to_array())
     }

@@ -4,7 +4,7 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f64x8, mask64x8};
 use fearless_simd_macros::simd;
 use glam::DVec2;
 
-use super::single::ray::HitPlace;
+use super::hit_place::HitPlace;
 use super::view::BvhView;
 use crate::geometry::trim::{self, Side, WINDOW_REACH, WINDOW_SPARE, WindowCurve};
 use crate::intersect::roots::borders::{TRIM_REACH, TRIM_SPARE, trim_reach};

@@ -11,11 +11,12 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 use fearless_simd_macros::simd;
 
 use super::load::bounds;
-use super::rays::{Packet, PacketBounds};
-use super::traverse::enter_block;
+use super::rays::Packet;
+use super::shared_bounds::enter_block;
 use crate::intersect::tree::nodes::{LANES, LeafBlock, Node};
 use crate::intersect::wide::PACKET;
 use crate::intersect::wide::box_ray::{BLUR, LEAST_DIRECTION, Slabs};
+use crate::intersect::wide::lane_rays::PacketBounds;
 use crate::intersect::wide::vectors::{Lanes3f, lane_bits, load3};
 use crate::math::bits::set_bits;
 

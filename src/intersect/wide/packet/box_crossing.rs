@@ -1,12 +1,11 @@
-//! Sixteen rays against one leaf's box, and its certificate.
+//! Sixteen rays against one leaf's box.
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
-use fearless_simd_macros::simd;
 
 use super::rays::Packet;
 use crate::intersect::wide::box_ray::{BOX_SPARE, LEAST_SLOPE};
 use crate::intersect::wide::vectors::load3;
-use crate::patch::{Leaf, OrientedBox};
+use crate::patch::OrientedBox;
 
 /// Which of sixteen rays meet a leaf's box, where they cross its middle, and the slopes of their
 /// directions by the box's rows.
@@ -61,31 +60,4 @@ pub(crate) fn cross_box<S: Simd>(
     let x = z.mul_add(along[0], at[0]).max(-one).min(one);
     let y = z.mul_add(along[1], at[1]).max(-one).min(one);
     BoxCrossing { met, x, y, entry, exit, slopes: along }
-}
-
-/// Applies the certificate: which of sixteen rays with these slopes meet the leaf at most once. The
-/// error bound of a point's distance from a ray is the ray's magnitude times `factor`.
-#[simd]
-pub(crate) fn certify<S: Simd>(
-    simd: S,
-    leaf: &Leaf,
-    [a, b, c]: [f32x16<S>; 3],
-    (magnitude, factor): (f32x16<S>, f64),
-) -> mask32x16<S> {
-    let [by_a, by_b, rounding] = leaf.certificate.turning();
-    let (by_a, by_b) = (f32x16::splat(simd, by_a), f32x16::splat(simd, by_b));
-    let turned = by_a.mul_add(a.abs(), by_b.mul_add(b.abs(), f32x16::splat(simd, rounding)));
-    // Products in this order stay within the range of f32.
-    let per_magnitude = leaf.certificate.steep_per_error() * factor as f32;
-    let needed = magnitude * f32x16::splat(simd, per_magnitude);
-    let steep = upright(simd, leaf, [a, b, c]).abs();
-    steep.simd_gt(turned) & steep.simd_gt(needed)
-}
-
-/// How steep sixteen rays are, by the leaf's certificate. Where the certificate holds for the rays,
-/// the sign is that of the determinant of the tangents in the rays' planes.
-#[inline(always)]
-pub(crate) fn upright<S: Simd>(simd: S, leaf: &Leaf, [a, b, c]: [f32x16<S>; 3]) -> f32x16<S> {
-    let [lean_a, lean_b] = leaf.certificate.lean();
-    b.mul_add(f32x16::splat(simd, lean_b), a.mul_add(f32x16::splat(simd, lean_a), c))
 }

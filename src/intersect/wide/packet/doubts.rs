@@ -8,12 +8,11 @@
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, mask32x16, u8x64, u32x16};
 use fearless_simd_macros::simd;
 
-use super::finish::Done;
-use super::leaf::finish_all;
+use super::finish::{Done, finish_all};
 use super::load::farthest;
 use super::rays::Packet;
 use super::target::{Ground, Target};
-use super::traverse::Work;
+use super::work::Work;
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::box_ray::BOX_SPARE;
 use crate::intersect::wide::proof::bounds::{DISTANCE_ROUNDING, GROWN, LARGEST, START_GROWN};
@@ -100,7 +99,7 @@ impl Doubts {
     ) -> u32 {
         let leaf = target.leaf;
         let fitted = target.fitted();
-        let terms = distances.terms(simd, sizes(simd, fitted), packet, base);
+        let terms = distances.terms(simd, sizes(simd, fitted), packet.sixteen(base));
         let weighted = error * f32x16::splat(simd, fitted.heaviest());
         // False for NaN.
         let known = lanes & lane_bits(terms.simd_le(f32x16::splat(simd, LARGEST)));

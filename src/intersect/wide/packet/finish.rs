@@ -1,6 +1,6 @@
 //! Eight rays against one leaf, in f64 on the true surface.
 
-use fearless_simd::{Select, Simd, SimdBase, SimdMask, f64x8, mask32x8, mask64x8, u32x8};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, f64x8, mask32x8, mask64x8, u32x8};
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
@@ -9,12 +9,13 @@ use super::target::{Closer, Ground, Ground8, Target};
 use crate::geometry::trim::Side;
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::nearest::comes_first;
+use crate::intersect::wide::search::distances::widened;
 use crate::intersect::wide::search::newton::{Converged, Ends, Rays, Verdict, newton};
 use crate::intersect::wide::surface::jets::OneNet;
 use crate::intersect::wide::trimmed::{Places, kept_in_window};
 use crate::intersect::wide::vectors::{Lanes3, dot_d, load3d};
 use crate::intersect::wide::{PACKET, trimmed};
-use crate::math::bits::{has, set_bits};
+use crate::math::bits::{half_of_sixteen, has, set_bits};
 use crate::patch::Piece;
 
 /// In a leaf that ends in a pole, normals get a closer look where the length of the tangents' cross
@@ -33,6 +34,32 @@ pub(super) struct Done {
     pub(super) found: bool,
     /// Newton's steps taken, over all lanes.
     pub(super) steps: u32,
+}
+
+/// [`finish`] for both halves of sixteen rays.
+#[simd]
+pub(super) fn finish_all<S: Simd>(
+    simd: S,
+    about: (&Target<'_>, &Closer, &OneNet<'_>),
+    (packet, base): (&mut Packet, usize),
+    (lanes, ground): (u32, Ground<S>),
+    near: &[f32x16<S>; 2],
+) -> Done {
+    let mut all = Done::default();
+    for half in 0..2 {
+        let wanted = half_of_sixteen(lanes, half);
+        if wanted == 0 {
+            continue;
+        }
+        let wanted = mask64x8::from_bitmask(simd, wanted);
+        let (base, near) = (base + 8 * half, [widened(near[0], half), widened(near[1], half)]);
+        let done = finish(simd, about, packet, base, (wanted, &ground), &near);
+        all.unconverged |= done.unconverged << (8 * half);
+        all.undecided |= done.undecided << (8 * half);
+        all.found |= done.found;
+        all.steps += done.steps;
+    }
+    all
 }
 
 /// Takes Newton's steps in f64 for those of rays `base … base + 7` that are `wanted`, from the

@@ -1,25 +1,25 @@
 //! One leaf against the rays of a packet, sixteen at a time.
 
-use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, mask64x8};
+use fearless_simd::{Simd, SimdBase, f32x16};
 use fearless_simd_macros::simd;
 
-use super::box_crossing::{BoxCrossing, certify, cross_box};
+use super::box_crossing::{BoxCrossing, cross_box};
 use super::doubts::settle;
-use super::finish::{Done, away_from_pole, finish};
+use super::finish::{Done, away_from_pole, finish_all};
 use super::load::{farthest, find_planes};
 use super::rays::Packet;
 use super::read_ahead::{Ahead, Moment};
+use super::screening::screen;
 use super::target::{Closer, Ground, Target};
-use super::traverse::Work;
+use super::work::Work;
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::PACKET;
-use crate::intersect::wide::proof::bounds::WIDENED;
-use crate::intersect::wide::proof::screen::{Screened, screen};
-use crate::intersect::wide::search::distances::widened;
+use crate::intersect::wide::proof::certified::certify;
+use crate::intersect::wide::proof::screen::Screened;
+use crate::intersect::wide::reach::WIDENED;
 use crate::intersect::wide::surface::jets::OneNet;
 use crate::intersect::wide::vectors::lane_bits;
 use crate::intersect::wide::view::BvhView;
-use crate::math::bits::half_of_sixteen;
 use crate::math::rounding;
 use crate::patch::OrientedBox;
 
@@ -117,7 +117,7 @@ fn search_group<S: Simd, Q>(
     let is_flat = target.leaf.is_flat() && !packet.any;
     let known = !is_flat || doubted != 0;
     if known {
-        work.distances.take(simd, target.fitted(), packet, base);
+        work.distances.take(simd, target.fitted(), packet.sixteen(base));
     }
     let mut done = Done::default();
     if certain != 0 {
@@ -128,7 +128,7 @@ fn search_group<S: Simd, Q>(
     let mut undecided = done.undecided;
     if doubted != 0 {
         if !known {
-            work.distances.take(simd, target.fitted(), packet, base);
+            work.distances.take(simd, target.fitted(), packet.sixteen(base));
         }
         let lanes = (doubted, crossing.entry, error);
         undecided |= work.doubts.put(simd, (target, &work.distances), (&*packet, base), lanes);
@@ -201,30 +201,4 @@ fn start_here<S: Simd>(
         }
         _ => starting,
     }
-}
-
-/// [`finish`] for both halves of sixteen rays.
-#[simd]
-pub(super) fn finish_all<S: Simd>(
-    simd: S,
-    about: (&Target<'_>, &Closer, &OneNet<'_>),
-    (packet, base): (&mut Packet, usize),
-    (lanes, ground): (u32, Ground<S>),
-    near: &[f32x16<S>; 2],
-) -> Done {
-    let mut all = Done::default();
-    for half in 0..2 {
-        let wanted = half_of_sixteen(lanes, half);
-        if wanted == 0 {
-            continue;
-        }
-        let wanted = mask64x8::from_bitmask(simd, wanted);
-        let (base, near) = (base + 8 * half, [widened(near[0], half), widened(near[1], half)]);
-        let done = finish(simd, about, packet, base, (wanted, &ground), &near);
-        all.unconverged |= done.unconverged << (8 * half);
-        all.undecided |= done.undecided << (8 * half);
-        all.found |= done.found;
-        all.steps += done.steps;
-    }
-    all
 }

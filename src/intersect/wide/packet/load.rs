@@ -5,12 +5,13 @@ use std::ops::Range;
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, f64x8};
 use fearless_simd_macros::simd;
 
-use super::rays::{Packet, PacketBounds};
+use super::rays::Packet;
 use crate::intersect::Shot;
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::PACKET;
 use crate::intersect::wide::box_ray::BLUR;
 use crate::intersect::wide::frames::{Frames, Narrow, perpendicular};
+use crate::intersect::wide::lane_rays::PacketBounds;
 use crate::intersect::wide::vectors::{load3, load3d};
 use crate::intersect::wide::view::BvhView;
 use crate::math::bits::set_bits;

@@ -3,11 +3,12 @@
 //! In reading order: `read_ahead` brings rays into the caches in time. `outline` sees from bounds
 //! shared by rays that most packets of a background meet nothing; `load` puts the others into the
 //! lanes of a packet (`rays`, with `starts` and `hits`). `traverse` takes it through the tree:
-//! sixteen boxes are tested at once against all its rays or, where these have little in common,
-//! sixteen of its rays against a box (`apart`). `leaf` searches a leaf (`target`) for sixteen rays
-//! at a time. Those that meet its box, and for which its certificate holds (`box_crossing`), get a
-//! start in f32 and, eight at a time, an end in f64 (`finish`). Those for which it does not hold
-//! are put aside until there are sixteen (`doubts`).
+//! sixteen boxes are tested at once against all its rays (`shared_bounds`) or, where these have
+//! little in common, sixteen of its rays against a box (`apart`). `leaf` searches a leaf (`target`)
+//! for sixteen rays at a time. Those that meet its box (`box_crossing`), and for which its
+//! certificate holds, get a start in f32, which may prove enough (`screening`), else, eight at a
+//! time, an end in f64 (`finish`). Those for which it does not hold are put aside until there are
+//! sixteen (`doubts`). What is kept between packets, and found, is their `work`.
 
 mod apart;
 pub(super) mod box_crossing;
@@ -19,6 +20,9 @@ pub(super) mod load;
 mod outline;
 pub(super) mod rays;
 pub(super) mod read_ahead;
+mod screening;
+mod shared_bounds;
 mod starts;
 pub(super) mod target;
 pub(super) mod traverse;
+pub(super) mod work;

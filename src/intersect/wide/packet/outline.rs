@@ -6,10 +6,10 @@ use fearless_simd::{Simd, SimdBase, f64x8};
 use fearless_simd_macros::simd;
 use glam::DVec3;
 
-use super::rays::PacketBounds;
 use crate::intersect::Shot;
 use crate::intersect::wide::box_ray::BLUR;
 use crate::intersect::wide::frames::{END_SPARE, shift_to_scene};
+use crate::intersect::wide::lane_rays::PacketBounds;
 use crate::intersect::wide::view::BvhView;
 use crate::math::PLAIN_SQUARES;
 

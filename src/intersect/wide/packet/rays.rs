@@ -1,20 +1,18 @@
-//! Sixty-four rays, coordinate by coordinate: as they are given, scaled for the work in f32, with
-//! the roots they start on, and what has been found for each.
+//! Sixty-four rays, with the roots they start on, and what has been found for each.
 
 use fearless_simd::{
     Select, Simd, SimdBase, SimdMask, SimdSplit, f32x8, f32x16, f64x8, mask32x8, mask64x8,
 };
 use fearless_simd_macros::simd;
-use glam::Vec3;
 
 use super::box_crossing::BoxCrossing;
 use super::hits::NearestHits;
 use super::starts::Starts;
 use crate::intersect::tree::nodes::LANES;
-use crate::intersect::wide::PACKET;
 use crate::intersect::wide::box_ray::BOX_SPARE;
 use crate::intersect::wide::frames::END_SPARE;
-use crate::intersect::wide::vectors::{Lanes3, Lanes3f, lane_bits};
+use crate::intersect::wide::lane_rays::{LaneRays, ScaledRays, Sixteen};
+use crate::intersect::wide::vectors::lane_bits;
 use crate::intersect::wide::wanted::Wanted;
 use crate::math::bits::half_of_sixteen;
 
@@ -34,99 +32,17 @@ pub(crate) struct Packet {
     pub(super) hits: NearestHits,
 }
 
-/// The rays in f64, in scene units, with unit directions.
-#[derive(Clone, Debug)]
-#[repr(align(64))]
-pub(crate) struct LaneRays {
-    pub origin: Lanes3,
-    pub(super) axis: Lanes3,
-    /// The normals of the two planes through each ray.
-    pub normals: [Lanes3; 2],
-    /// Whether these have been computed, here and in f32.
-    pub(super) planes_known: bool,
-    /// `1 / |d|`.
-    pub(super) t_from_z: [f64; PACKET],
-    pub(super) z_min: [f64; PACKET],
-    pub(super) z_max: [f64; PACKET],
-    /// The largest coordinate magnitude of the origins.
-    pub(super) magnitude: [f64; PACKET],
-}
-
-/// The rays in f32, in scaled coordinates.
-#[derive(Clone, Debug)]
-#[repr(align(64))]
-pub(crate) struct ScaledRays {
-    /// Scene units to scaled coordinates.
-    pub(super) scale: f64,
-    /// The distance by which the origins were moved along the rays, in scene units.
-    pub(super) shift: [f64; PACKET],
-    pub(super) origin: Lanes3f,
-    pub(super) axis: Lanes3f,
-    pub normals: [Lanes3f; 2],
-    pub(super) magnitude: [f32; PACKET],
-    /// Where hits begin to count.
-    pub(super) near: [f32; PACKET],
-    /// The nearest hit so far, or the end of the ray, rounded up.
-    pub(super) far: [f32; PACKET],
-    /// The largest of those ends.
-    pub(super) farthest: f32,
-    pub(super) bounds: PacketBounds,
-}
-
-/// Bounds shared by all rays of a packet, in scaled f32 coordinates.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PacketBounds {
-    /// With a slack of [`BLUR`](crate::intersect::wide::box_ray::BLUR).
-    pub(super) origin_min: Vec3,
-    pub(super) origin_max: Vec3,
-    pub(super) axis_min: Vec3,
-    pub(super) axis_max: Vec3,
-    /// The inverse direction's range in each coordinate, for directions of one sign.
-    pub(super) inverse_min: Vec3,
-    pub(super) inverse_max: Vec3,
-    /// Where hits begin to count, at the earliest.
-    pub(super) nearest: f32,
-    /// Per coordinate: 1 or −1 where all directions have that sign, 0 where they differ.
-    pub(super) sign: [i8; 3],
-}
-
-impl Default for LaneRays {
-    fn default() -> Self {
-        Self {
-            origin: [[0.0; PACKET]; 3],
-            axis: [[0.0; PACKET]; 3],
-            normals: [[[0.0; PACKET]; 3]; 2],
-            planes_known: false,
-            t_from_z: [0.0; PACKET],
-            z_min: [0.0; PACKET],
-            z_max: [0.0; PACKET],
-            magnitude: [0.0; PACKET],
-        }
-    }
-}
-
-impl Default for ScaledRays {
-    fn default() -> Self {
-        Self {
-            scale: 1.0,
-            shift: [0.0; PACKET],
-            origin: [[0.0; PACKET]; 3],
-            axis: [[0.0; PACKET]; 3],
-            normals: [[[0.0; PACKET]; 3]; 2],
-            magnitude: [0.0; PACKET],
-            near: [0.0; PACKET],
-            far: [0.0; PACKET],
-            farthest: 0.0,
-            bounds: PacketBounds::default(),
-        }
-    }
-}
-
 impl Packet {
     /// Forgets all rays: now there are `count` rays that meet nothing.
     pub(crate) fn clear(&mut self, count: usize) {
         self.count = count;
         (self.far_off, self.hits.met, self.hits.needs_look) = (0, 0, 0);
+    }
+
+    /// The sixteen rays from `base` on.
+    #[inline(always)]
+    pub(crate) fn sixteen(&self, base: usize) -> Sixteen<'_> {
+        Sixteen { rays: &self.rays, scaled: &self.scaled, base }
     }
 
     /// Says whether any hit will do for the rays to come.
@@ -204,25 +120,5 @@ impl Packet {
     /// One bit a ray: whether it was left out, for others to trace.
     pub(crate) fn far_off(&self) -> u64 {
         self.far_off
-    }
-}
-
-/// Direction components this near to zero decide nothing: their inverses, times distances, must not
-/// overflow f32.
-const TINY: f32 = 1e-20;
-
-impl PacketBounds {
-    /// Sets the range of one coordinate of all directions.
-    pub(super) fn set_directions(&mut self, i: usize, low: f32, high: f32) {
-        (self.axis_min[i], self.axis_max[i]) = (low, high);
-        // Inverses are rounded outwards by two units.
-        let (outer, inner) = (1.0 + 2.0 * f32::EPSILON, 1.0 - 2.0 * f32::EPSILON);
-        if low > TINY {
-            self.sign[i] = 1;
-            (self.inverse_min[i], self.inverse_max[i]) = (inner / high, outer / low);
-        } else if high < -TINY {
-            self.sign[i] = -1;
-            (self.inverse_min[i], self.inverse_max[i]) = (inner / -low, outer / -high);
-        }
     }
 }

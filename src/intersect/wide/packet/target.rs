@@ -4,7 +4,7 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8, mask64x8
 use fearless_simd_macros::simd;
 use glam::DVec3;
 
-use crate::intersect::wide::proof::bounds::WITH_SLACK;
+use crate::intersect::wide::reach::WITH_SLACK;
 use crate::intersect::wide::search::distances::widened;
 use crate::intersect::wide::search::newton::{Leaves, Rays, Step};
 use crate::intersect::wide::surface::form::Form;
@@ -20,7 +20,7 @@ pub(crate) struct Target<'a> {
     pub piece: &'a Piece,
     pub(super) index: u32,
     pub(super) view: &'a BvhView<'a>,
-    oriented: &'a OrientedBox,
+    pub oriented: &'a OrientedBox,
     rect: [[f64; 2]; 2],
     /// Where the leaf's certificate holds.
     domain: [[f64; 2]; 2],
@@ -88,12 +88,6 @@ impl<'a> Target<'a> {
     #[inline(always)]
     pub(crate) fn fitted(&self) -> Fitted<'_> {
         self.view.fitted(self.index, &self.piece.patch)
-    }
-
-    /// See [`OrientedBox::unit_axes`].
-    #[inline(always)]
-    pub(crate) fn unit_axes(&self) -> [DVec3; 3] {
-        self.oriented.unit_axes()
     }
 
     /// The rectangle where the leaf's certificate holds, the same for all of eight rays.

@@ -1,14 +1,7 @@
-//! Shared by the proofs about one ray and a leaf: how far leaves reach, parts of leaves, and
-//! rounding errors.
+//! Shared by the proofs about one ray and a leaf: parts of leaves, and rounding errors.
 
-use crate::patch::{LEAF_SLACK, WIDENING};
-
-/// How far from its middle a leaf's certificate holds, in half sides.
-pub(crate) const WIDENED: f64 = 1.0 + 2.0 * WIDENING;
-
-/// How far from a leaf's middle roots count as the leaf's, in half sides: in its rectangle and its
-/// slack.
-pub(crate) const WITH_SLACK: f64 = 1.0 + 2.0 * LEAF_SLACK;
+use crate::intersect::wide::reach::LEAF;
+use crate::patch::LEAF_SLACK;
 
 /// Rounding error in f32 of distances whose terms add up to one: 33 units of 2⁻²⁴. A coefficient
 /// takes 6 roundings (the middle's distance, a normal, three products added up), the change to a
@@ -23,9 +16,6 @@ pub(super) const UNDERFLOW: f32 = f32::MIN_POSITIVE;
 /// Above this, nothing is proved: sums of products of two lengths of a huge scene would overflow
 /// f32, and their differences would be NaN.
 pub(crate) const LARGEST: f32 = 1e18;
-
-/// How far from its middle a leaf and its slack reach, in half sides.
-pub(super) const LEAF: f32 = 1.0 + 2.1 * LEAF_SLACK as f32;
 
 /// Roots are unique in a box widened by this factor, so that one on its side is not lost.
 pub(crate) const GROWN: f32 = 1.1;

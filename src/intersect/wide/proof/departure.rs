@@ -59,7 +59,7 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
 use fearless_simd_macros::simd;
 
 use self::approximation::{Bends, Plane, Weights};
-use super::bounds::LEAF;
+use crate::intersect::wide::reach::LEAF;
 use crate::intersect::wide::vectors::{lane_bits, splat};
 use crate::intersect::wide::view::Fitted;
 use crate::patch::FIT_DOMAIN;

@@ -343,7 +343,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::intersect::wide::single::search::Distances;
+    use crate::intersect::wide::search::one_ray::Distances;
     use crate::math::testing::same_cases;
 
     /// Two bicubics: coefficients of `xⁱ yʲ`, at `4 i + j`.

@@ -24,10 +24,9 @@ use super::bounds::{
     START_GROWN, UNDERFLOW,
 };
 use super::cubic::{bernstein, moved, slope_weights};
-use crate::intersect::wide::single::ray::SingleRay;
-use crate::intersect::wide::single::search::{Distances, transposed_rows};
+use crate::intersect::wide::search::one_ray::{Distances, transposed_rows};
 use crate::intersect::wide::view::Fitted;
-use crate::math::rounding;
+use crate::math::{RayFrame, rounding};
 
 /// The largest number of boxes to examine before the scalar search is called, which takes as long
 /// as about thirty.
@@ -50,19 +49,19 @@ impl UniqueParts {
 }
 
 /// Isolates all roots of a leaf except the one the ray starts on, each in a part of its own; `None`
-/// where that cannot be proved. `error` is the error bound of a point's distance from the ray.
+/// where that cannot be proved. `start` is the place of that root in box coordinates, if it lies in
+/// the leaf; `error` is the error bound of a point's distance from the ray.
 #[simd]
 pub(crate) fn isolate<S: Simd>(
     simd: S,
     distances: Distances<S>,
     fitted: Fitted<'_>,
-    ray: &SingleRay<'_>,
+    (ray, start): (&RayFrame, Option<[f32; 2]>),
     error: f64,
 ) -> Option<UniqueParts> {
     let leaf = fitted.leaf;
     let weighted = error * f64::from(fitted.heaviest());
     let mut unique = UniqueParts::default();
-    let start = ray.start.place_in(leaf);
     let lengths = leaf.half_side_lengths();
     // Coefficients come from sums in which most terms may cancel, and a small box has the errors of
     // the large one it was cut from. So rounding is measured by all terms of the whole leaf, and

@@ -28,15 +28,12 @@
 //! at most `E`, and the condition on `F(x₁)` holds for its multiples, too.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
-use fearless_simd_macros::simd;
 
-use super::bounds::{DISTANCE_ROUNDING, LARGEST, LEAF};
-use crate::intersect::wide::packet::box_crossing::{BoxCrossing, upright};
-use crate::intersect::wide::packet::rays::Packet;
-use crate::intersect::wide::packet::target::Target;
-use crate::intersect::wide::search::distances::{LaneDistances, LastStep, NearRoots, sizes};
-use crate::intersect::wide::vectors::{lane_bits, load3, splat};
-use crate::patch::{CLEAR, SURELY, WIDENING};
+use super::bounds::{DISTANCE_ROUNDING, LARGEST};
+use crate::intersect::wide::reach::LEAF;
+use crate::intersect::wide::search::distances::{LastStep, NearRoots};
+use crate::intersect::wide::vectors::{lane_bits, splat};
+use crate::patch::{CLEAR, Leaf, OrientedBox, SURELY, WIDENING};
 
 /// Half the side of the largest square about the root that was found, in box coordinates.
 const MOST_OFF: f32 = 1.0 / 128.0;
@@ -45,7 +42,7 @@ const MOST_OFF: f32 = 1.0 / 128.0;
 const DOMAIN: f32 = 1.0 + 1.999 * WIDENING as f32;
 
 /// How far from the middle the surface surely goes on: a little less than the leaf.
-const INSIDE: f32 = 1.0 - 2.0 * f32::EPSILON;
+pub(crate) const INSIDE: f32 = 1.0 - 2.0 * f32::EPSILON;
 
 /// The inverse Jacobian is accurate to a twentieth or better where its largest row sum times the
 /// Jacobian's entries is less than this: its rounding error is at most ten units of 2⁻²⁴ of that.
@@ -63,64 +60,28 @@ pub(crate) struct Screened {
     pub met: u32,
 }
 
-/// Returns what the last step of the search in f32 proves of rays `base … base + 15` of the packet,
-/// for those that are `asked` for; the leaf's certificate holds for them. `error` is the error
-/// bound of a point's distance from the ray.
-#[simd]
-pub(crate) fn screen<S: Simd>(
-    simd: S,
-    target: &Target<'_>,
-    (packet, base): (&Packet, usize),
-    (distances, crossing, searched): (&LaneDistances, &BoxCrossing<S>, &NearRoots<S>),
-    (asked, error): (u32, f32x16<S>),
-) -> Screened {
-    // Rays that hit the leaf, as most do, are not worth screening if more is wanted of them.
-    let [x, y] = searched.last.to;
-    let farthest = x.abs().max(y.abs());
-    let outside = asked & !lane_bits(farthest.simd_le(splat(simd, INSIDE)));
-    if target.pole.is_some() || (outside == 0 && !packet.any) {
-        return Screened::default();
-    }
-    let screen = Screen {
-        target,
-        normals: [
-            load3(simd, &packet.scaled.normals[0], base),
-            load3(simd, &packet.scaled.normals[1], base),
-        ],
-        upright: upright(simd, target.leaf, crossing.slopes),
-        terms: distances.terms(simd, sizes(simd, target.fitted()), packet, base),
-        error: error * splat(simd, target.fitted().heaviest()),
-    };
-    let Screened { missed, met } = screen.ask(simd, searched);
-    let met = if packet.any && !target.leaf.is_trimmed() {
-        met & packet.within_range(simd, base, crossing)
-    } else {
-        0
-    };
-    Screened { missed: outside & missed, met: asked & met }
-}
-
 /// Sixteen rays and a leaf.
-struct Screen<'a, S: Simd> {
-    target: &'a Target<'a>,
+pub(crate) struct Screen<'a, S: Simd> {
+    pub leaf: &'a Leaf,
+    pub oriented: &'a OrientedBox,
     /// The normals of the rays' planes.
-    normals: [[f32x16<S>; 3]; 2],
+    pub normals: [[f32x16<S>; 3]; 2],
     /// How steep the rays are. The sign is that of the determinant, which is the same on all of the
     /// leaf.
-    upright: f32x16<S>,
+    pub upright: f32x16<S>,
     /// The measure of the rounding error of the distances.
-    terms: f32x16<S>,
+    pub terms: f32x16<S>,
     /// Error bound of a point's distance from the ray, times the weight.
-    error: f32x16<S>,
+    pub error: f32x16<S>,
 }
 
 impl<S: Simd> Screen<'_, S> {
     /// What the last step of the search proves of the rays, whatever the part of them that counts.
     #[inline(always)]
-    fn ask(&self, simd: S, searched: &NearRoots<S>) -> Screened {
+    pub(crate) fn ask(&self, simd: S, searched: &NearRoots<S>) -> Screened {
         let LastStep { from, to, distances: [f1, f2], slopes, inverse } = searched.last;
         let ([[a1, a2], [b1, b2]], [[xx, xy], [yx, yy]]) = (slopes, inverse);
-        let leaf = self.target.leaf;
+        let leaf = self.leaf;
 
         // Distances take twelve roundings of coefficients and sums; derivatives, of three times the
         // size, take as many. The roundings of the step and of what it leaves are small compared
@@ -170,7 +131,7 @@ impl<S: Simd> Screen<'_, S> {
         off: f32x16<S>,
     ) -> mask32x16<S> {
         let (zero, [n1, n2]) = (splat(simd, 0.0), self.normals);
-        let axes = self.target.unit_axes();
+        let axes = self.oriented.unit_axes();
         let mut along = [zero; 3];
         for i in 0..3 {
             let g = f1 * n2[i] - f2 * n1[i];
@@ -181,7 +142,7 @@ impl<S: Simd> Screen<'_, S> {
         let [along_a, along_b, along_n] = along;
         let size = f1.abs() + f2.abs();
         let rest = size * splat(simd, SURELY as f32) + off * splat(simd, 2.0);
-        let [[other_s, out_s], [other_t, out_t]] = self.target.leaf.certificate.bend();
+        let [[other_s, out_s], [other_t, out_t]] = self.leaf.certificate.bend();
         let (other_s, out_s) = (splat(simd, other_s as f32), splat(simd, out_s as f32));
         let (other_t, out_t) = (splat(simd, other_t as f32), splat(simd, out_t as f32));
         // What an error of the distances does to each of the three.
@@ -194,115 +155,5 @@ impl<S: Simd> Screen<'_, S> {
         let away_t = (along_a * sign * at[1]).simd_gt(zero) & along_a.abs().simd_gt(turned_t);
         let clear = f1.abs().max(f2.abs()).simd_gt(off + self.error * splat(simd, CLEAR as f32));
         clear & (outside[0] & away_s | outside[1] & away_t)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::cell::Cell;
-
-    use fearless_simd::{Level, dispatch};
-    use glam::{DVec2, DVec3};
-    use proptest::prelude::*;
-
-    use super::*;
-    use crate::geometry::shapes;
-    use crate::intersect::wide::packet::box_crossing::{certify, cross_box};
-    use crate::intersect::wide::packet::load::{find_planes, load};
-    use crate::intersect::wide::proof::bounds::WIDENED;
-    use crate::intersect::wide::wanted::Wanted;
-    use crate::intersect::wide::weighted_hills;
-    use crate::intersect::{Hit, Query, SurfaceBvh};
-    use crate::math::bits::has;
-    use crate::math::testing::same_cases;
-    use crate::math::{Ray, rounding};
-    use crate::patch::Leaf;
-
-    /// What is proved of sixteen lines and a leaf. The bits returned last are those of the lines
-    /// for which its certificate holds.
-    fn said(bvh: &SurfaceBvh, index: u32, queries: &[Query]) -> (Screened, u32) {
-        let view = bvh.view();
-        let oriented = view.tree.oriented(index);
-        let target = Target::new(&view, &oriented, index);
-        let mut packet = Packet::default();
-        packet.ask(Wanted::Any);
-        dispatch!(Level::new(), simd => {
-            load(simd, &mut packet, queries, &view);
-            find_planes(simd, &mut packet);
-            let crossing = cross_box(simd, &oriented, &packet, 0);
-            let factor = target.piece.patch.residual_factor();
-            let magnitude = f32x16::splat(simd, 1e2);
-            let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));
-            let certified = lane_bits(crossing.met & certified);
-            let mut distances = LaneDistances::default();
-            distances.take(simd, target.fitted(), &packet, 0);
-            let widened = f32x16::splat(simd, WIDENED as f32);
-            let start = [crossing.x, crossing.y];
-            let searched = distances.newton(simd, start, [[-widened, widened]; 2]);
-            let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
-            let asked = (certified, error);
-            let rays = (&packet, 0);
-            let search = (&distances, &crossing, &searched);
-            (screen(simd, &target, rays, search, asked), certified)
-        })
-    }
-
-    /// Whether a line meets a leaf, as the exact solver finds it.
-    fn meets(bvh: &SurfaceBvh, leaf: &Leaf, query: &Query) -> bool {
-        let mut hits: Vec<Hit> = Vec::new();
-        let _ = bvh.tracer().exact_all_hits(query, &mut hits);
-        let rect = leaf.rect();
-        let inside = |st: DVec2| (0..2).all(|k| rect[k][0] <= st[k] && st[k] <= rect[k][1]);
-        hits.iter().any(|hit| hit.root.piece == leaf.piece && inside(hit.root.st))
-    }
-
-    /// Lines through places of a leaf and just outside of it, at any angle for which its
-    /// certificate holds.
-    #[test]
-    fn what_is_said_of_a_leaf_is_so() {
-        let bodies = [shapes::sphere(1.0), shapes::torus(1.0, 0.4), Ok(weighted_hills())]
-            .map(|body| SurfaceBvh::build(&[body.unwrap()]).unwrap());
-        let [asked, missed, met] = [Cell::new(0), Cell::new(0), Cell::new(0)];
-        let config = same_cases(1_500);
-        let place = || prop_oneof![-1.3..1.3f64, -1.03..-0.97f64, 0.97..1.03f64];
-        let line = (place(), place(), -1.0..1.0f64, 0.0..6.3f64);
-        let lines = (0usize.., prop::collection::vec(line, 16));
-        proptest!(config, |((k, lines) in lines)| {
-            for bvh in &bodies {
-                let index = k % bvh.leaves.len();
-                let leaf = &bvh.leaves[index];
-                let piece = &bvh.patches().pieces()[leaf.piece as usize];
-                let queries: Vec<Query> = lines
-                    .iter()
-                    .map(|&(x, y, height, turn)| {
-                        let place = |k: usize, x: f64| {
-                            let [from, to] = leaf.rect()[k];
-                            0.5 * ((from + to) + x * (to - from))
-                        };
-                        let point = piece.patch.point(DVec2::new(place(0, x), place(1, y)));
-                        let flat = (1.0 - height * height).sqrt();
-                        let along = DVec3::new(flat * turn.cos(), flat * turn.sin(), height);
-                        let (from, to) = (-6.0, 0.0);
-                        let ray = Ray::with_range(point + 3.0 * along, along, from, to);
-                        Query::primary(ray.unwrap())
-                    })
-                    .collect();
-                let (said, certified) = said(bvh, index as u32, &queries);
-                for (k, query) in queries.iter().enumerate() {
-                    if has(said.missed, k) || has(said.met, k) {
-                        let meets = meets(bvh, leaf, query);
-                        prop_assert!(!(has(said.missed, k) && meets), "leaf {index}, line {k}");
-                        prop_assert!(!has(said.met, k) || meets, "leaf {index}, line {k}");
-                    }
-                }
-                asked.set(asked.get() + certified.count_ones());
-                missed.set(missed.get() + said.missed.count_ones());
-                met.set(met.get() + said.met.count_ones());
-            }
-        });
-        // Most lines are decided: those left are near the leaf's sides, or at a small angle.
-        let [asked, missed, met] = [asked.get(), missed.get(), met.get()];
-        assert!(asked > 10_000 && missed > asked / 5 && met > asked / 5, "{asked} {missed} {met}");
-        assert!(missed + met > 3 * asked / 4, "{asked} {missed} {met}");
     }
 }

@@ -6,8 +6,8 @@ use fearless_simd_macros::simd;
 
 use super::convergence::STEPS_IN_F32;
 use crate::intersect::tree::nodes::LANES;
-use crate::intersect::wide::packet::rays::Packet;
-use crate::intersect::wide::vectors::{dot_d, load3, load3d};
+use crate::intersect::wide::lane_rays::{LaneRays, Sixteen};
+use crate::intersect::wide::vectors::{dot_d, load3d};
 use crate::intersect::wide::view::Fitted;
 use crate::patch::{Leaf, WeightFit};
 
@@ -52,7 +52,7 @@ pub(crate) struct LastStep<S: Simd> {
 }
 
 impl LaneDistances {
-    /// Sets the distances of rays `base … base + 15`.
+    /// Sets the distances of sixteen rays.
     ///
     /// Those of the leaf's middle are computed in f64; what is added to them in f32 has the size of
     /// the leaf, so its rounding error is small compared with the leaf.
@@ -61,14 +61,10 @@ impl LaneDistances {
         &mut self,
         simd: S,
         Fitted { leaf, weight }: Fitted<'_>,
-        packet: &Packet,
-        base: usize,
+        rays: Sixteen<'_>,
     ) {
-        let middle = middle_distances(simd, leaf, packet, base);
-        let normals = [
-            load3(simd, &packet.scaled.normals[0], base),
-            load3(simd, &packet.scaled.normals[1], base),
-        ];
+        let middle = middle_distances(simd, leaf, rays);
+        let normals = rays.normals(simd);
         let [x, y, z] = leaf.fit();
         for m in 0..16 {
             let (x, y, z) =
@@ -103,16 +99,11 @@ impl LaneDistances {
     /// the larger of the two distances: the measure of their rounding error. `sizes` are those of
     /// the leaf.
     #[simd]
-    pub(crate) fn terms<S: Simd>(
-        &self,
-        simd: S,
-        sizes: [f32; 4],
-        packet: &Packet,
-        base: usize,
-    ) -> f32x16<S> {
+    pub(crate) fn terms<S: Simd>(&self, simd: S, sizes: [f32; 4], rays: Sixteen<'_>) -> f32x16<S> {
         let mut terms = f32x16::splat(simd, 0.0);
+        let normals = rays.normals(simd);
         for k in 0..2 {
-            let n = load3(simd, &packet.scaled.normals[k], base);
+            let n = normals[k];
             let middle = f32x16::from_slice(simd, &self.of[k][0]).abs();
             let mut sum = middle * f32x16::splat(simd, sizes[3]);
             for axis in 0..3 {
@@ -228,22 +219,22 @@ fn value<S: Simd>(simd: S, lanes: &[[f32; LANES]; 16], x: f32x16<S>, y: f32x16<S
 
 /// The distances of the leaf's middle from the rays' planes, computed in f64.
 #[simd]
-fn middle_distances<S: Simd>(simd: S, leaf: &Leaf, packet: &Packet, base: usize) -> [f32x16<S>; 2] {
-    let [a1, a2] = half_distances(simd, leaf, packet, base);
-    let [b1, b2] = half_distances(simd, leaf, packet, base + 8);
+fn middle_distances<S: Simd>(simd: S, leaf: &Leaf, rays: Sixteen<'_>) -> [f32x16<S>; 2] {
+    let [a1, a2] = half_distances(simd, leaf, rays.rays, rays.base);
+    let [b1, b2] = half_distances(simd, leaf, rays.rays, rays.base + 8);
     [simd.narrow_f64x8(a1, b1), simd.narrow_f64x8(a2, b2)]
 }
 
 #[simd]
-fn half_distances<S: Simd>(simd: S, leaf: &Leaf, packet: &Packet, base: usize) -> [f64x8<S>; 2] {
-    let origin = load3d(simd, &packet.rays.origin, base);
+fn half_distances<S: Simd>(simd: S, leaf: &Leaf, rays: &LaneRays, base: usize) -> [f64x8<S>; 2] {
+    let origin = load3d(simd, &rays.origin, base);
     let offset = [
         f64x8::splat(simd, leaf.middle.x) - origin[0],
         f64x8::splat(simd, leaf.middle.y) - origin[1],
         f64x8::splat(simd, leaf.middle.z) - origin[2],
     ];
-    let n1 = load3d(simd, &packet.rays.normals[0], base);
-    let n2 = load3d(simd, &packet.rays.normals[1], base);
+    let n1 = load3d(simd, &rays.normals[0], base);
+    let n2 = load3d(simd, &rays.normals[1], base);
     [dot_d(n1, offset), dot_d(n2, offset)]
 }
 

@@ -1,8 +1,10 @@
-//! The search for roots, side by side in lanes.
+//! The search for roots.
 //!
-//! `distances` finds starts in f32, on the approximations of leaves. From there, `newton` goes on
-//! in f64, on the true surface. `convergence` says when both end, for single rays, too.
+//! `distances` finds starts in f32, on the approximations of leaves, for sixteen rays side by side;
+//! `one_ray` does so for one. From there, `newton` goes on in f64, on the true surface, for eight.
+//! `convergence` says when all of them end.
 
 pub(super) mod convergence;
 pub(super) mod distances;
 pub(super) mod newton;
+pub(super) mod one_ray;

@@ -5,7 +5,7 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x8, mask64x8
 use fearless_simd_macros::simd;
 
 use super::convergence::{COARSEST, MOST_ROUNDED, MOST_STEPS, PART_OF_ERROR};
-use crate::intersect::wide::proof::bounds::WITH_SLACK;
+use crate::intersect::wide::reach::WITH_SLACK;
 use crate::intersect::wide::surface::jets::Jets;
 use crate::intersect::wide::vectors::{cross_d, dot_d, sum_of_sizes};
 

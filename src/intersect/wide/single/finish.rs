@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 
 use super::jet::{Bernstein, Powers, Sums};
 use super::ray::{SingleHit, SingleRay};
-use crate::intersect::wide::proof::bounds::WITH_SLACK;
+use crate::intersect::wide::reach::WITH_SLACK;
 use crate::intersect::wide::search::convergence::{
     COARSEST, MOST_ROUNDED, MOST_STEPS, PART_OF_ERROR,
 };

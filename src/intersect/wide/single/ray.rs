@@ -5,6 +5,7 @@ use glam::{DVec2, DVec3};
 use crate::intersect::Root;
 use crate::intersect::wide::box_ray::BoxRay;
 use crate::intersect::wide::frames::{END_SPARE, shift_to_scene};
+use crate::intersect::wide::hit_place::HitPlace;
 use crate::intersect::wide::start::Start;
 use crate::intersect::wide::wanted::Wanted;
 use crate::math::RayFrame;
@@ -35,15 +36,6 @@ impl Guess {
         let steepness = certificate.steepness_if_valid(slopes.map(f64::from), error)?;
         Some(Self { start, clearance: certificate.clearance_per_error() * error / steepness })
     }
-}
-
-/// Where a hit is: enough to tell which of two is the nearer.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct HitPlace {
-    pub leaf: u32,
-    pub z: f64,
-    pub z_error: f64,
-    pub st: DVec2,
 }
 
 /// A hit that is certain.

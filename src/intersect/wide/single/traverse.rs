@@ -23,13 +23,13 @@ use fearless_simd_macros::simd;
 
 use super::finish::{Outcome, Search, finish};
 use super::ray::{Guess, SingleHit, SingleRay};
-use super::search::Distances;
 use crate::intersect::Statistics;
 use crate::intersect::tree::nodes::Child;
 use crate::intersect::wide::box_ray::{BOX_SPARE, Crossings, Stack, first_entered};
 use crate::intersect::wide::nearest::{Kept, is_cut_off, keep};
-use crate::intersect::wide::proof::bounds::WIDENED;
 use crate::intersect::wide::proof::one_ray::isolate;
+use crate::intersect::wide::reach::WIDENED;
+use crate::intersect::wide::search::one_ray::Distances;
 use crate::intersect::wide::surface::jets::OneNet;
 use crate::intersect::wide::surface::spline_net::RecentNets;
 use crate::intersect::wide::view::{BvhView, Fitted};
@@ -184,7 +184,7 @@ fn search_net<S: Simd>(
         let near = if fitted.leaf.is_flat() {
             start
         } else {
-            Distances::new(simd, fitted, ray).newton(simd, start)
+            Distances::new(simd, fitted, ray.frame).newton(simd, start)
         };
         // As a rule, a start outside leads to a root outside, which the proof shows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
@@ -213,8 +213,9 @@ fn search_by_proof<S: Simd>(
     error: f64,
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
 ) {
-    let distances = Distances::new(simd, fitted, ray);
-    let Some(parts) = isolate(simd, distances, fitted, ray, error) else {
+    let distances = Distances::new(simd, fitted, ray.frame);
+    let about = (ray.frame, ray.start.place_in(fitted.leaf));
+    let Some(parts) = isolate(simd, distances, fitted, about, error) else {
         work.undecided.push(index);
         return;
     };

@@ -5,7 +5,7 @@ use fearless_simd_macros::simd;
 
 use super::pairs::{Outcomes, PairLanes, eight};
 use crate::intersect::wide::frames::Frames;
-use crate::intersect::wide::proof::bounds::WIDENED;
+use crate::intersect::wide::reach::WIDENED;
 use crate::intersect::wide::search::newton::{Ends, Leaves, Rays, Step, newton};
 use crate::intersect::wide::surface::jets::{Jets, jets};
 use crate::intersect::wide::surface::lane_net::LaneNet;

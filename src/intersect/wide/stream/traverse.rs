@@ -15,8 +15,9 @@ use crate::intersect::wide::box_ray::{
     BOX_SPARE, BoxRay, Crossings, Stack, first_entered, push_unforeseen,
 };
 use crate::intersect::wide::frames::{Frames, Narrow};
+use crate::intersect::wide::hit_place::HitPlace;
 use crate::intersect::wide::nearest::{Kept, is_cut_off, keep};
-use crate::intersect::wide::single::ray::{Guess, HitPlace, SingleHit, SingleRay, boxes_in};
+use crate::intersect::wide::single::ray::{Guess, SingleHit, SingleRay, boxes_in};
 use crate::intersect::wide::single::traverse::{SingleWork, search_ahead};
 use crate::intersect::wide::start::Start;
 use crate::intersect::wide::surface::form::Form;

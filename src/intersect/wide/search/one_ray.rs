@@ -1,15 +1,15 @@
-//! One ray on one leaf's bicubic approximation, in f32: a start, and often a proof.
+//! The distances of one ray from one leaf's approximation, in f32, and the start found from them.
 
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f32x4, f32x8};
 use fearless_simd_macros::simd;
 
-use super::ray::SingleRay;
-use crate::intersect::wide::search::convergence::STEPS_IN_F32;
+use super::convergence::STEPS_IN_F32;
 use crate::intersect::wide::view::Fitted;
+use crate::math::RayFrame;
 
 /// How far the search and the proofs may leave the leaf, in box coordinates: as far as the bounds
 /// of the approximation's error hold.
-pub(super) const FIT_DOMAIN: f32 = crate::patch::FIT_DOMAIN as f32;
+const FIT_DOMAIN: f32 = crate::patch::FIT_DOMAIN as f32;
 
 /// The distances `f₁`, `f₂` of a leaf's approximation from a ray's planes, times its weight (see
 /// [`Leaf`](crate::patch::Leaf)): coefficients of `xⁱ yʲ`, `i` by vector, `j` by lane, first those
@@ -23,10 +23,10 @@ impl<S: Simd> Distances<S> {
     /// The distances of the leaf's middle are computed in f64; what is added to them in f32 has the
     /// size of the leaf, so its rounding error is small compared with the leaf.
     #[simd]
-    pub(super) fn new(simd: S, fitted: Fitted<'_>, ray: &SingleRay<'_>) -> Self {
+    pub(crate) fn new(simd: S, fitted: Fitted<'_>, ray: &RayFrame) -> Self {
         let Fitted { leaf, weight } = fitted;
-        let [n1, n2] = ray.frame.normals;
-        let offset = leaf.middle - ray.frame.origin;
+        let [n1, n2] = ray.normals;
+        let offset = leaf.middle - ray.origin;
         let (e1, e2) = (n1.dot(offset) as f32, n2.dot(offset) as f32);
         let zero = f32x8::splat(simd, 0.0);
         let mut rows = [zero; 4];
@@ -55,9 +55,9 @@ impl<S: Simd> Distances<S> {
     /// The sum of the absolute values of all terms that the coefficients were added up from, for
     /// the larger of the two distances: the measure of their rounding error.
     #[simd]
-    pub(crate) fn terms(self, simd: S, fitted: Fitted<'_>, ray: &SingleRay<'_>) -> f32 {
+    pub(crate) fn terms(self, simd: S, fitted: Fitted<'_>, ray: &RayFrame) -> f32 {
         let Fitted { leaf, weight } = fitted;
-        let [n1, n2] = ray.frame.normals;
+        let [n1, n2] = ray.normals;
         let mut total = f32x8::splat(simd, 0.0);
         for axis in 0..3 {
             let n1 = f32x4::splat(simd, n1[axis].abs() as f32);
@@ -82,7 +82,7 @@ impl<S: Simd> Distances<S> {
     /// before, so sums are made by halves (Estrin 1960): of a cubic two operations wait for each
     /// other, not three as in Horner's scheme.
     #[simd]
-    pub(super) fn newton(self, simd: S, start: [f32; 2]) -> [f32; 2] {
+    pub(crate) fn newton(self, simd: S, start: [f32; 2]) -> [f32; 2] {
         let rows = &self.rows;
         let [mut x, mut y] = start;
         let twice = rows[2] + rows[2];
