@@ -2,9 +2,11 @@
 //! library is silent, a file is one idea.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests, and what they share")]
 
+mod circles;
 mod rules;
 mod source;
 
+use circles::Modules;
 use source::SourceFile;
 
 /// Fails with one line a violation.
@@ -21,6 +23,35 @@ fn violations(rule: impl Fn(&SourceFile) -> Vec<String>) -> Vec<String> {
 #[test]
 fn no_floor_uses_one_above_it() {
     expect_none("a floor reaches upwards", &violations(rules::upward_uses));
+}
+
+/// Folders in which data flows one way, too: no two modules use each other, not even by way of
+/// others. Where types refer to each other by nature, as a surface does to its errors, they may.
+const LAYERED: [&str; 16] = [
+    "app/audit",
+    "intersect",
+    "intersect/exact",
+    "intersect/scalar",
+    "intersect/tracer",
+    "intersect/tree",
+    "intersect/wide",
+    "intersect/wide/proof",
+    "intersect/wide/search",
+    "intersect/wide/single",
+    "intersect/wide/stream",
+    "io/geomdl",
+    "io/mesh",
+    "math",
+    "render",
+    "scene/world",
+];
+
+#[test]
+fn layered_folders_have_no_circles() {
+    let files = source::files_below("src");
+    let modules = Modules::of(&files);
+    let wrong: Vec<String> = LAYERED.iter().flat_map(|folder| modules.circles(folder)).collect();
+    expect_none("these use each other in a circle", &wrong);
 }
 
 #[test]
