@@ -64,11 +64,13 @@ impl PartialEq for Root {
 }
 
 impl Root {
-    /// A cosine as it is stored: rounded up by about a unit, in one multiplication, since this is
-    /// done for every hit.
+    /// The root at a place of a piece. `cosine` is that of the angle between ray and normal, or 0
+    /// without a normal; of either sign.
     #[inline(always)]
-    pub(super) fn kept_cosine(cosine: f64) -> f32 {
-        ((1.0 + f64::from(f32::EPSILON)) * cosine.abs()) as f32
+    pub(super) fn new(set: SetId, piece: u32, st: DVec2, error: f64, cosine: f64) -> Self {
+        // Rounded up by about a unit, in one multiplication, since this is done for every hit.
+        let cosine = ((1.0 + f64::from(f32::EPSILON)) * cosine.abs()) as f32;
+        Self { st, error, cosine, piece, set }
     }
 }
 

@@ -379,16 +379,16 @@ fn answer_of<'m>(
 fn hit(set: &PatchSet, meeting: &Meeting) -> Hit {
     let piece = &set.pieces()[meeting.piece as usize];
     let mut flags = meeting.flags;
-    let normal = meeting.normal.filter(|_| !piece.is_tip(meeting.jet.point));
+    let normal = meeting.normal.filter(|_| !piece.is_apex(meeting.jet.point));
     let normal = normal.unwrap_or_else(|| {
         flags.insert(HitFlags::NO_NORMAL);
         DVec3::NAN
     });
     // A doubtful meeting may be off along the ray by more than its angle implies.
     let least = if meeting.is_certain() { 0.0 } else { AROUND * meeting.error / meeting.z_error };
-    let cosine = Root::kept_cosine(meeting.cosine.abs().max(least).min(1.0));
-    let Meeting { piece: index, st, z_error: error, .. } = *meeting;
-    let root = Root { set: set.id(), piece: index, cosine, st, error };
+    let cosine = if flags.contains(HitFlags::NO_NORMAL) { 0.0 } else { meeting.cosine.abs() };
+    let cosine = cosine.max(least).min(1.0);
+    let root = Root::new(set.id(), meeting.piece, meeting.st, meeting.z_error, cosine);
     Hit {
         t: meeting.t,
         surface: meeting.surface,

@@ -19,6 +19,7 @@
 //!
 //! [`Aabb`]: crate::math::Aabb
 
+mod apexes;
 mod bend;
 mod certificate;
 mod chart_net;
@@ -43,7 +44,6 @@ mod tangent_pairs;
 mod tangents;
 mod tensor;
 mod tiles;
-mod tips;
 mod trim_windows;
 
 use glam::DVec4;

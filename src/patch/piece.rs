@@ -47,8 +47,8 @@ pub struct Piece {
     /// Which sides are borders of the surface, and which are collapsed, a bit each.
     border: u8,
     collapsed: u8,
-    /// Which of the collapsed ones are tips, such as that of a cone (see [`tips`](super::tips)).
-    tips: u8,
+    /// Which of the collapsed ones are apexes, such as that of a cone (see [`apexes`](super::apexes)).
+    apexes: u8,
     /// Whether another piece that differs there begins at the end of this one, in `u` and in `v`,
     /// for example where the surface jumps. The knot itself then belongs to that piece.
     open_end: u8,
@@ -64,7 +64,7 @@ impl Piece {
         let border = border.map(|(side, is_border)| bit(side, is_border)).sum();
         let open_end = bit(0, u.open_end) | bit(1, v.open_end);
         let collapsed = collapsed_sides(&patch, &points);
-        Self { patch, surface, border, collapsed, tips: 0, open_end }
+        Self { patch, surface, border, collapsed, apexes: 0, open_end }
     }
 
     /// The knot rectangle of its chart that the piece covers: from and to in `u`, then in `v`.
@@ -190,7 +190,7 @@ impl Piece {
     }
 
     /// The unit normal at a point of the unit square; near collapsed sides its limit from inside
-    /// the piece. `None` where there is none. (At a [tip](Self::is_tip) it is the limit along the
+    /// the piece. `None` where there is none. (At a [apex](Self::is_apex) it is the limit along the
     /// other parameter: not the surface's normal, but a bound of how flat a ray may be.)
     ///
     /// Beside a collapsed side the tangent along it vanishes; there the pole determines the normal
@@ -271,17 +271,17 @@ impl Piece {
         known.unit_normal(inward(place))
     }
 
-    /// Whether a point is a tip, such as that of a cone, to within rounding: the point of a
+    /// Whether a point is an apex, such as that of a cone, to within rounding: the point of a
     /// collapsed side at which normals have different limits, so that the surface has no normal.
-    pub fn is_tip(&self, point: DVec3) -> bool {
+    pub fn is_apex(&self, point: DVec3) -> bool {
         let rounding = 4.0 * self.patch.noise();
-        let is_at = |tip: DVec3| point.distance(tip) <= rounding;
-        (0..4).any(|side| has(self.tips, side) && self.collapsed(side).is_some_and(is_at))
+        let is_at = |apex: DVec3| point.distance(apex) <= rounding;
+        (0..4).any(|side| has(self.apexes, side) && self.collapsed(side).is_some_and(is_at))
     }
 
-    /// Marks a collapsed side as a tip.
-    pub(super) fn make_tip(&mut self, side: usize) {
-        self.tips |= 1 << side;
+    /// Marks a collapsed side as an apex.
+    pub(super) fn make_apex(&mut self, side: usize) {
+        self.apexes |= 1 << side;
     }
 
     /// The limit of the unit normal from inside the piece.

@@ -13,7 +13,7 @@ use super::chart_net::ChartNet;
 use super::keeping::{Keeping, piece_count};
 use super::leaves::parts;
 use super::tiles::Grid;
-use super::{GroupedParts, Piece, tips};
+use super::{GroupedParts, Piece, apexes};
 use crate::geometry::{Chart, Charts, NurbsSurface};
 use crate::math::Aabb;
 
@@ -132,7 +132,7 @@ impl PatchSet {
                 Piece::new(&net, surface, first)
             }));
         }
-        grids.iter().for_each(|grid| tips::mark(&mut pieces, grid));
+        grids.iter().for_each(|grid| apexes::mark(&mut pieces, grid));
         let parts = parts(&pieces, &grids);
         check_count("leaves", parts.all().len(), MOST_COUNTED)?;
         let bounds = parts.bounds();

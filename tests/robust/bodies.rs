@@ -198,11 +198,11 @@ fn a_steep_ray_beside_a_pole_has_a_hit() {
     }
 }
 
-/// Chords between two points near the tip of a cone at which two rows of control points lie:
+/// Chords between two points near the apex of a cone at which two rows of control points lie:
 /// `S = u² (v, v², 1)`, on `x² = y z`. Each point is met, or the answer is doubtful: a hit at the
-/// tip must not take a root's place without a flag.
+/// apex must not take a root's place without a flag.
 #[test]
-fn chords_near_a_tip_of_two_rows_are_met_twice() {
+fn chords_near_an_apex_of_two_rows_are_met_twice() {
     let row = |z: f64| {
         [(0.0, 0.0), (0.5, 0.0), (1.0, 1.0)].map(|(x, y)| DVec4::new(x * z, y * z, z, 1.0))
     };

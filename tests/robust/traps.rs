@@ -280,17 +280,17 @@ fn weights_of_many_magnitudes_are_answered_for() {
     }
 }
 
-/// At the tip of a cone there is no normal; at the pole of a sphere there is.
+/// At the apex of a cone there is no normal; at the pole of a sphere there is.
 #[test]
-fn a_tip_has_no_normal_and_a_pole_has() {
+fn an_apex_has_no_normal_and_a_pole_has() {
     let mut random = Random::new(50);
     for scale in [1e-8, 1.0, 1e8] {
         let at = scale * DVec3::new(0.3, -0.2, 0.1);
         let cone = placed(&shapes::cone(1.0, 2.0).unwrap(), scale, at);
         let sphere = placed(&shapes::sphere(2.0).unwrap(), scale, at);
-        for (surface, is_tip) in [(cone, true), (sphere, false)] {
+        for (surface, is_apex) in [(cone, true), (sphere, false)] {
             let bvh = build(std::slice::from_ref(&surface));
-            let mut tips = 0;
+            let mut apexes = 0;
             let rays: Vec<Ray> = (0..40)
                 .map(|_| {
                     let mut d = random.direction();
@@ -301,14 +301,14 @@ fn a_tip_has_no_normal_and_a_pole_has() {
             by_every_kernel(&bvh, &rays, |answer, ray, who| {
                 let hit = answer.hit.unwrap_or_else(|| panic!("{who}: {ray:?}"));
                 let nowhere = hit.flags.contains(HitFlags::NO_NORMAL);
-                // Rounding may have led the ray past the tip, to where there is a normal.
+                // Rounding may have led the ray past the apex, to where there is a normal.
                 let near = hit.point.distance(at + scale * 2.0 * DVec3::Z) < 1e-15 * scale;
                 assert_eq!(nowhere, hit.normal.is_nan());
-                assert!(nowhere == (is_tip && near) || is_tip && !near, "{hit:?}");
-                assert!(is_tip || hit.normal.z > 0.99, "{hit:?}");
-                tips += usize::from(nowhere);
+                assert!(nowhere == (is_apex && near) || is_apex && !near, "{hit:?}");
+                assert!(is_apex || hit.normal.z > 0.99, "{hit:?}");
+                apexes += usize::from(nowhere);
             });
-            assert!(tips > 0 || !is_tip, "no ray met the tip at {scale:e}");
+            assert!(apexes > 0 || !is_apex, "no ray met the apex at {scale:e}");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Merges the meetings that are one crossing.
 
 use glam::DVec3;
+use smallvec::{SmallVec, smallvec};
 
 use super::same_place::{at_one_place, reach_along};
 use super::vertices;
@@ -12,7 +13,7 @@ use crate::patch::Piece;
 /// the same sign of `N · d`, and seen by two leaves, or on adjoining pieces of a surface,
 /// or on borders or trim edges of two surfaces. Stretches inside a surface that overlap become one.
 /// [`vertices`] decides which way the ray, along `axis`, goes through a vertex.
-/// Whatever else is met at the place of a tip stays, and the tip becomes doubtful.
+/// Where something else is met at the place of a meeting without a normal, that one is doubtful.
 ///
 /// Beside a vertex, two meetings that are not at one place may each be at the place of a third,
 /// which is less well known. Whether they are one crossing is not known: both are doubtful.
@@ -29,88 +30,97 @@ pub(crate) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) 
     let mut crossings: Vec<Crossing> = Vec::new();
     // Those that the next meeting may still belong to.
     let mut near: Vec<usize> = Vec::new();
-    for &meeting in &*meetings {
-        near.retain(|&k| meeting.t - crossings[k].last().t <= reach);
+    for (k, meeting) in meetings.iter().enumerate() {
+        near.retain(|&c| meeting.t - meetings[crossings[c].last()].t <= reach);
         let is_same = |view: &Meeting| {
-            same_side(view, &meeting) && at_one_place(view, &meeting, pieces, axis)
+            same_side(view, meeting) && at_one_place(view, meeting, pieces, axis)
         };
-        if let Some(&k) = near.iter().rev().find(|&&k| is_same(&crossings[k].view)) {
-            crossings[k].join(meeting);
+        let joins = |&&c: &&usize| is_same(&crossings[c].counted(meetings));
+        if let Some(&c) = near.iter().rev().find(joins) {
+            crossings[c].join(k, meeting);
             continue;
         }
-        let mut crossing = Crossing::new(meeting);
-        for &k in &near {
-            if crossings[k].views.iter().any(is_same) {
-                crossings[k].open();
-                crossing.open();
+        let mut crossing = Crossing::new(k, meeting);
+        for &c in &near {
+            if crossings[c].views.iter().any(|&view| is_same(&meetings[view])) {
+                crossings[c].is_open = true;
+                crossing.is_open = true;
             }
         }
         near.push(crossings.len());
         crossings.push(crossing);
     }
-    meetings.clear();
-    meetings.extend(crossings.into_iter().map(|crossing| crossing.view));
+    // No crossing counts by a view that comes before its own place among the crossings.
+    for (c, crossing) in crossings.iter().enumerate() {
+        meetings[c] = crossing.counted(meetings);
+    }
+    meetings.truncate(crossings.len());
     // A certain view may lie a little behind the doubtful one whose place it has taken.
     meetings.sort_by(|a, b| a.t.total_cmp(&b.t));
-    doubt_tips(meetings, pieces, axis);
+    doubt_without_normal(meetings, pieces, axis);
     doubt_half_touches(meetings, pieces, axis);
 }
 
-/// Views of one crossing.
+/// Views of one crossing, by their places among the meetings of the ray.
 struct Crossing {
     /// All of them, by `t`; never empty.
-    views: Vec<Meeting>,
+    views: SmallVec<[usize; 4]>,
     /// The view that counts: the first certain one, or the first if none is certain.
-    view: Meeting,
+    best: usize,
+    /// The flags of all of them, but for doubt.
+    flags: HitFlags,
     is_certain: bool,
+    /// Whether all of them are beyond a side.
+    is_beyond: bool,
     /// Whether it may be more than one crossing, or a part of another: a view is doubtful and
     /// grazing, or at the place of another crossing's.
     is_open: bool,
 }
 
 impl Crossing {
-    fn new(meeting: Meeting) -> Self {
+    fn new(view: usize, meeting: &Meeting) -> Self {
         Self {
-            views: vec![meeting],
-            view: meeting,
+            views: smallvec![view],
+            best: view,
+            flags: meeting.flags.without(HitFlags::DOUBTFUL),
             is_certain: meeting.is_certain(),
-            is_open: touches(&meeting),
+            is_beyond: meeting.beyond,
+            is_open: touches(meeting),
         }
     }
 
     /// The last view.
-    fn last(&self) -> &Meeting {
-        &self.views[self.views.len() - 1]
+    fn last(&self) -> usize {
+        self.views[self.views.len() - 1]
     }
 
-    /// Makes it doubtful, whatever views are added.
-    fn open(&mut self) {
-        self.is_open = true;
-        self.view.flags.insert(HitFlags::DOUBTFUL);
-    }
-
-    /// Adds another view; all flags except `DOUBTFUL` are united.
-    fn join(&mut self, meeting: Meeting) {
-        self.views.push(meeting);
-        let flags = self.view.flags.with(meeting.flags).without(HitFlags::DOUBTFUL);
-        let beyond = self.view.beyond && meeting.beyond;
+    /// Adds another view.
+    fn join(&mut self, view: usize, meeting: &Meeting) {
+        self.views.push(view);
         if meeting.is_certain() && !self.is_certain {
-            self.view = meeting;
+            self.best = view;
         }
+        self.flags = self.flags.with(meeting.flags.without(HitFlags::DOUBTFUL));
         self.is_certain |= meeting.is_certain();
-        self.is_open |= touches(&meeting);
+        self.is_beyond &= meeting.beyond;
+        self.is_open |= touches(meeting);
+    }
+
+    /// The view that counts, with what is known from all.
+    fn counted(&self, meetings: &[Meeting]) -> Meeting {
         let is_doubtful = self.is_open || !self.is_certain;
-        self.view.flags = if is_doubtful { flags.with(HitFlags::DOUBTFUL) } else { flags };
-        self.view.beyond = beyond;
+        let doubt = if is_doubtful { HitFlags::DOUBTFUL } else { HitFlags::NONE };
+        let flags = self.flags.with(doubt);
+        Meeting { flags, beyond: self.is_beyond, ..meetings[self.best] }
     }
 }
 
-/// Flags tips at whose place something else is met. This comes after views of one crossing are
+/// Flags meetings without a normal at whose place something else is met. This comes after views of one crossing are
 /// merged, so that no view can take the flag away again.
-fn doubt_tips(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) {
+fn doubt_without_normal(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) {
     for k in (0..meetings.len()).filter(|&k| has_no_normal(&meetings[k])).collect::<Vec<_>>() {
-        let tip = &meetings[k];
-        if meetings.iter().any(|m| !has_no_normal(m) && at_one_place(m, tip, pieces, axis)) {
+        let bare = &meetings[k];
+        if meetings.iter().any(|m| !has_no_normal(m) && at_one_place(m, bare, pieces, axis)) {
             meetings[k].flags.insert(HitFlags::DOUBTFUL);
         }
     }
@@ -157,13 +167,14 @@ pub(super) fn touches(meeting: &Meeting) -> bool {
     meeting.cosine.abs() < GRAZING || is_bent
 }
 
-/// Whether a meeting is at a tip, or so near to one that the surface has no normal there.
+/// Whether the surface has no normal there, nor a limit of normals: it runs to a cusp or a crease.
+/// (At an apex, a meeting has the limit along its ruling.)
 pub(super) fn has_no_normal(meeting: &Meeting) -> bool {
     meeting.normal.is_none()
 }
 
 /// Whether the ray passes through the surface in the same direction at both meetings, as far as is
-/// known. At a tip the direction is unknown: it matches only other views of a tip.
+/// known. Without a normal it is unknown: it matches only other views without one.
 fn same_side(a: &Meeting, b: &Meeting) -> bool {
     match (has_no_normal(a), has_no_normal(b)) {
         (false, false) => a.cosine * b.cosine > 0.0 || touches(a) || touches(b),
@@ -223,12 +234,15 @@ mod tests {
     #[test]
     fn a_certain_view_stays_where_a_grazing_one_leaves_doubt() {
         let (first, other) = (view(1.0, 0.5, HitFlags::NONE), view(1.5, 0.7, HitFlags::BORDER));
+        let counted = |views: &[Meeting]| {
+            let mut crossing = Crossing::new(0, &views[0]);
+            views.iter().enumerate().skip(1).for_each(|(k, view)| crossing.join(k, view));
+            let Meeting { t, flags, .. } = crossing.counted(views);
+            (t, flags)
+        };
         let grazing = view(1.2, 1e-5, HitFlags::DOUBTFUL);
-        let mut crossing = Crossing::new(first);
-        crossing.join(grazing);
-        crossing.join(other);
-        assert_eq!(crossing.view.t, 1.0);
-        assert_eq!(crossing.view.flags, HitFlags::DOUBTFUL.with(HitFlags::BORDER));
+        let doubtful_border = HitFlags::DOUBTFUL.with(HitFlags::BORDER);
+        assert_eq!(counted(&[first, grazing, other]), (1.0, doubtful_border));
 
         // Far from the origin, where errors are large, steeper ones may touch the surface, too.
         let far = |cosine| Meeting { error: 5e-9, ..view(1.2, cosine, HitFlags::DOUBTFUL) };
@@ -236,9 +250,8 @@ mod tests {
         assert!(!touches(&view(1.2, 5e-4, HitFlags::DOUBTFUL)));
 
         // A steep doubtful view is just another view: it gives way, and its doubt goes with it.
-        let mut crossing = Crossing::new(view(1.2, 0.5, HitFlags::DOUBTFUL));
-        crossing.join(first);
-        assert_eq!((crossing.view.t, crossing.view.flags), (1.0, HitFlags::NONE));
+        let steep = view(1.2, 0.5, HitFlags::DOUBTFUL);
+        assert_eq!(counted(&[steep, first]), (1.0, HitFlags::NONE));
     }
 
     #[test]

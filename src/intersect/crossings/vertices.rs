@@ -27,79 +27,129 @@ use crate::patch::Piece;
 const MOST_TURNED: f64 = 1e-6;
 
 /// Drops meetings at vertices that are on the wrong side where the ray only enters, or only leaves;
-/// where this cannot be decided, they become doubtful. A tip has all sides: it takes that of the
+/// where this cannot be decided, they become doubtful. An apex has all sides: it takes that of the
 /// ray or, where it is touched, both. `meetings` are sorted by increasing `t`; `axis` is the ray's
 /// direction.
 pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
-    let mut wrong = vec![false; meetings.len()];
-    let mut seen = vec![false; meetings.len()];
-    // Flags are set at the end: what is at one place depends on them.
-    let mut doubtful = vec![false; meetings.len()];
+    // Meetings are flagged and dropped at the end: what is at one place depends on flags.
+    let mut fates = vec![Fate::default(); meetings.len()];
     let mut others = Vec::new();
     let reach = reach_along(meetings);
     for k in 0..meetings.len() {
-        if seen[k] {
+        if fates[k].is_seen {
             continue;
         }
-        let near = |&j: &usize| meetings[j].t - meetings[k].t <= reach;
-        let here = |&j: &usize| j == k || at_one_place(&meetings[k], &meetings[j], pieces, axis);
-        let group: Vec<usize> = (k..meetings.len()).take_while(near).filter(here).collect();
-        let before = (0..k).rev().take_while(|j| meetings[k].t - meetings[*j].t <= reach);
-        let mut before = before.filter(|&j| seen[j]);
-        let overlaps = group.iter().any(|&j| seen[j])
-            || before.any(|j| at_one_place(&meetings[j], &meetings[k], pieces, axis));
-        group.iter().for_each(|&j| seen[j] = true);
-
-        let all = || group.iter().map(|&j| &meetings[j]);
-        let known = all().all(|m| !touches(m) && !has_no_normal(m));
-        let leaves = all().any(|m| m.cosine > 0.0);
-        let enters = all().any(|m| m.cosine < 0.0);
-        let at_tip = |m: &Meeting| pieces[m.piece as usize].is_tip(m.jet.point);
-        let tip = group.iter().copied().find(|&j| at_tip(&meetings[j]));
-        if !known {
-            continue;
+        let group = Group::at_place_of(k, meetings, reach, &fates, pieces, axis);
+        for &j in &group.members {
+            fates[j].is_seen = true;
         }
-        let mut doubt = || group.iter().for_each(|&j| doubtful[j] = true);
-        if !(leaves && enters || tip.is_some()) {
-            // Where a surface overlaps itself, a ray may go through it twice at one place.
-            let twice = || matches!(passage(all(), pieces, axis), AtVertex::ThroughMore);
-            if group.len() > 2 && twice() {
-                doubt();
-            }
-            continue;
-        }
-        if overlaps {
-            // A meeting is at the place of two that are not at one place: which belong together is
-            // not known.
-            doubt();
-            continue;
-        }
-        match (passage(all(), pieces, axis), tip) {
-            (AtVertex::Through(way), tip) => {
-                if let Some(tip) = tip {
-                    meetings[tip].cosine = meetings[tip].cosine.abs().copysign(way);
+        match group.way(meetings, pieces, axis) {
+            Way::Any => {}
+            Way::Through { sign, apex } => {
+                if let Some(apex) = apex {
+                    meetings[apex].cosine = meetings[apex].cosine.abs().copysign(sign);
                 }
-                group.iter().for_each(|&j| wrong[j] = meetings[j].cosine * way < 0.0);
+                let is_wrong = |j: usize| meetings[j].cosine * sign < 0.0;
+                let members = group.members.iter();
                 // Dropped meetings leave their doubt to the others.
-                if group.iter().any(|&j| wrong[j] && !meetings[j].is_certain()) {
-                    doubt();
+                let in_doubt = members.clone().any(|&j| is_wrong(j) && !meetings[j].is_certain());
+                for &j in members {
+                    fates[j].is_wrong = is_wrong(j);
+                    fates[j].is_doubtful |= in_doubt;
                 }
             }
-            (AtVertex::Touching, Some(tip)) if !(leaves && enters) => {
-                let cosine = -meetings[tip].cosine;
-                others.push(Meeting { cosine, ..meetings[tip] });
+            Way::Touching { apex } => {
+                others.push(Meeting { cosine: -meetings[apex].cosine, ..meetings[apex] });
             }
-            (AtVertex::Touching, _) => {}
-            (AtVertex::ThroughMore | AtVertex::Unknown, _) => doubt(),
+            Way::Unknown => group.members.iter().for_each(|&j| fates[j].is_doubtful = true),
         }
     }
-    for (meeting, _) in meetings.iter_mut().zip(doubtful).filter(|(_, doubtful)| *doubtful) {
+    for (meeting, _) in meetings.iter_mut().zip(&fates).filter(|(_, fate)| fate.is_doubtful) {
         meeting.flags.insert(HitFlags::DOUBTFUL);
     }
-    let mut wrong = wrong.into_iter();
-    meetings.retain(|_| !wrong.next().unwrap_or(false));
+    let mut fates = fates.iter();
+    meetings.retain(|_| fates.next().is_some_and(|fate| !fate.is_wrong));
     meetings.extend(others);
     meetings.sort_by(|a, b| a.t.total_cmp(&b.t));
+}
+
+/// What becomes of a meeting.
+#[derive(Clone, Copy, Default)]
+struct Fate {
+    /// Whether it belongs to a group that has been looked at.
+    is_seen: bool,
+    /// Whether it is on the wrong side of its vertex.
+    is_wrong: bool,
+    is_doubtful: bool,
+}
+
+/// Meetings at the place of one of them.
+struct Group {
+    members: Vec<usize>,
+    /// Whether one of them is also at the place of a meeting of another group: which belong together
+    /// is then not known.
+    overlaps: bool,
+}
+
+/// How a ray goes through the surfaces at the place of a group.
+enum Way {
+    /// As each of its meetings says.
+    Any,
+    /// Once, with this sign of `N · d`; through an apex, if there is one.
+    Through {
+        sign: f64,
+        apex: Option<usize>,
+    },
+    /// Not at all: it touches an apex, which is met from one side only.
+    Touching {
+        apex: usize,
+    },
+    Unknown,
+}
+
+impl Group {
+    /// The meetings from `k` on that are at its place; none is farther than `reach` along the ray.
+    fn at_place_of(
+        k: usize,
+        meetings: &[Meeting],
+        reach: f64,
+        fates: &[Fate],
+        pieces: &[Piece],
+        axis: DVec3,
+    ) -> Self {
+        let together = |a: usize, b: usize| at_one_place(&meetings[a], &meetings[b], pieces, axis);
+        let near = |&j: &usize| meetings[j].t - meetings[k].t <= reach;
+        let here = |&j: &usize| j == k || together(k, j);
+        let members: Vec<usize> = (k..meetings.len()).take_while(near).filter(here).collect();
+        let before = (0..k).rev().take_while(|&j| meetings[k].t - meetings[j].t <= reach);
+        let mut before = before.filter(|&j| fates[j].is_seen);
+        let overlaps = members.iter().any(|&j| fates[j].is_seen) || before.any(|j| together(j, k));
+        Self { members, overlaps }
+    }
+
+    fn way(&self, meetings: &[Meeting], pieces: &[Piece], axis: DVec3) -> Way {
+        let all = || self.members.iter().map(|&j| &meetings[j]);
+        if all().any(|m| touches(m) || has_no_normal(m)) {
+            return Way::Any;
+        }
+        let both = all().any(|m| m.cosine > 0.0) && all().any(|m| m.cosine < 0.0);
+        let at_apex = |m: &Meeting| pieces[m.piece as usize].is_apex(m.jet.point);
+        let apex = self.members.iter().copied().find(|&j| at_apex(&meetings[j]));
+        if !both && apex.is_none() {
+            // Where a surface overlaps itself, a ray may go through it twice at one place.
+            let twice = || matches!(passage(all(), pieces, axis), AtVertex::ThroughMore);
+            return if self.members.len() > 2 && twice() { Way::Unknown } else { Way::Any };
+        }
+        if self.overlaps {
+            return Way::Unknown;
+        }
+        match (passage(all(), pieces, axis), apex) {
+            (AtVertex::Through(sign), apex) => Way::Through { sign, apex },
+            (AtVertex::Touching, Some(apex)) if !both => Way::Touching { apex },
+            (AtVertex::Touching, _) => Way::Any,
+            (AtVertex::ThroughMore | AtVertex::Unknown, _) => Way::Unknown,
+        }
+    }
 }
 
 /// How a ray passes a vertex.
@@ -240,7 +290,7 @@ mod tests {
         assert_eq!(plain, [-1.0, 1.0]);
     }
 
-    /// Two patches over and under a plane that share two of their sides; the others are tips.
+    /// Two patches over and under a plane that share two of their sides; the others are apexes.
     fn lens() -> SurfaceBvh {
         let side = [[-1.0, 0.0, 0.0], [-0.4, -0.5, 0.0], [0.3, -0.6, 0.1], [1.0, 0.0, 0.0]];
         let side = side.map(DVec3::from_array);
@@ -256,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_that_nearly_touch_the_surface_around_a_tip_leave_it_or_are_in_doubt() {
+    fn rays_that_nearly_touch_the_surface_around_an_apex_leave_it_or_are_in_doubt() {
         let lens = lens();
         let mut random = SplitMix::new(5);
         let mut unit = |size: f64| size * (2.0 * random.unit() - 1.0);
@@ -360,11 +410,11 @@ mod tests {
         let ray = Ray::with_range(through, direction, f64::NEG_INFINITY, f64::INFINITY).unwrap();
         let mut hits = Vec::new();
         let doubtful = bvh.tracer().all_hits(&Query::primary(ray), &mut hits);
-        // A tip stands for the sign that the others lack.
-        let tips = hits.iter().filter(|hit| hit.normal.is_nan()).count();
+        // An apex stands for the sign that the others lack.
+        let apexes = hits.iter().filter(|hit| hit.normal.is_nan()).count();
         let steep = hits.iter().filter(|hit| !hit.normal.is_nan());
         let sum: f64 = steep.map(|hit| hit.normal.dot(ray.direction()).signum()).sum();
-        let even = hits.len() % 2 == 0 && sum.abs() <= tips as f64;
+        let even = hits.len() % 2 == 0 && sum.abs() <= apexes as f64;
         assert!(doubtful || even, "{what}: through {through} along {direction}: {hits:?}");
         doubtful
     }

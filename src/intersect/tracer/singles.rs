@@ -205,7 +205,7 @@ impl<'a> Certain<'a> {
         // Near a pole the normal is a limit.
         if leaf.has_pole() {
             let limit = piece.normal(hit.st, &piece.patch.jet(hit.st));
-            normal = limit.filter(|_| !piece.is_tip(hit.point)).unwrap_or(DVec3::NAN);
+            normal = limit.filter(|_| !piece.is_apex(hit.point)).unwrap_or(DVec3::NAN);
         }
         if leaf.is_at_border() && near_border(leaf, piece, hit.st) {
             let jet = piece.patch.jet(hit.st);
@@ -232,8 +232,7 @@ impl<'a> Certain<'a> {
         }
         // 0 without a normal: `max` of NaN and a number is the number.
         let cosine = (self.normal.dot(ray.direction()) * t_from_z).abs().max(0.0);
-        let cosine = Root::kept_cosine(cosine);
-        let root = Root { set: self.set, piece: self.index, cosine, st, error: z_error };
+        let root = Root::new(self.set, self.index, st, z_error, cosine);
         let (surface, uv) = (self.piece.surface, self.piece.uv(st));
         let (normal, flags) = (self.normal, self.flags);
         let hit = Some(Hit { t, surface, uv, point, normal, flags, root });

@@ -95,9 +95,8 @@ impl Packet {
             return Answer::default();
         }
         let normal = gather(&hits.normal, k);
-        let cosine = Root::kept_cosine(normal.dot(gather(&self.rays.axis, k)));
-        let (piece, st, error) = (hits.piece[k], pair(&hits.st, k), hits.z_error[k]);
-        let root = Root { set, piece, cosine, st, error };
+        let cosine = normal.dot(gather(&self.rays.axis, k));
+        let root = Root::new(set, hits.piece[k], pair(&hits.st, k), hits.z_error[k], cosine);
         let hit = Hit {
             t: hits.t[k],
             surface: hits.surface[k],

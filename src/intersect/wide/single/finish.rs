@@ -234,7 +234,8 @@ struct FoundRoot {
 }
 
 /// Judges whether a root of the leaf is a hit, which is then put into `found`; of a root at an end
-/// of the ray, its place is.
+/// of the ray, its place is. The rules are those of
+/// [`Converged::verdict`](crate::intersect::wide::search::newton::Converged::verdict).
 #[inline(always)]
 fn judge(
     root: &FoundRoot,
@@ -253,9 +254,9 @@ fn judge(
     if !on_piece && (beyond(st.x) / half[0]).max(beyond(st.y) / half[1]) > clearance {
         return Outcome::Missed;
     }
-    let clear = (z - z_min).abs() > reach && (z - z_max).abs() > reach && z.abs() > reach;
-    // Rounding of a parameter must be small compared with the error; without a certificate, nothing
-    // has checked that.
+    let clear_of_start = ray.start.from.is_none() || z.abs() > reach;
+    let clear = (z - z_min).abs() > reach && (z - z_max).abs() > reach && clear_of_start;
+    // Rounding of a parameter must be small compared with the error: with a certificate, it is.
     let speed = sum_of_sizes(*along_x) * half[1] + sum_of_sizes(*along_y) * half[0];
     let fine = COARSEST * speed <= error * half[0] * half[1];
     if !(on_piece && fine) {

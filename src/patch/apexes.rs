@@ -1,7 +1,7 @@
-//! Tips: points to which sides of a surface are collapsed, such as the tip of a cone or of a
+//! Apexes: points to which sides of a surface are collapsed, such as the apex of a cone or of a
 //! pyramid.
 //!
-//! At a pole, such as that of a sphere, the normals from all sides have one limit. At a tip they
+//! At a pole, such as that of a sphere, the normals from all sides have one limit. At an apex they
 //! have several, perhaps on several pieces, and the surface has no normal there.
 
 use glam::DVec3;
@@ -10,7 +10,7 @@ use super::Piece;
 use super::piece::HALF_THE_DIGITS;
 use super::tiles::Grid;
 
-/// Finds the tips of a chart's pieces, judging by a few normals along each collapsed side.
+/// Finds the apexes of a chart's pieces, judging by a few normals along each collapsed side.
 pub(super) fn mark(pieces: &mut [Piece], grid: &Grid) {
     let Grid { first, rows, columns } = *grid;
     for side in 0..4 {
@@ -25,7 +25,7 @@ pub(super) fn mark(pieces: &mut [Piece], grid: &Grid) {
                 let run = (start..length).take_while(|&k| pieces[place(k)].is_collapsed(side));
                 let end = start + run.count();
                 if !has_one_limit((start..end).map(|k| &pieces[place(k)]), side) {
-                    (start..end).for_each(|k| pieces[place(k)].make_tip(side));
+                    (start..end).for_each(|k| pieces[place(k)].make_apex(side));
                 }
                 start = end + 1;
             }
@@ -52,27 +52,27 @@ mod tests {
     use crate::geometry::{KnotVector, NurbsSurface, shapes};
     use crate::patch::PatchSet;
 
-    fn tips(surface: &NurbsSurface) -> Vec<bool> {
+    fn apexes(surface: &NurbsSurface) -> Vec<bool> {
         let (set, _) = PatchSet::new(std::slice::from_ref(surface)).unwrap();
-        let ends = set.pieces().iter().map(|piece| piece.is_tip(piece.patch.point(DVec2::Y)));
+        let ends = set.pieces().iter().map(|piece| piece.is_apex(piece.patch.point(DVec2::Y)));
         ends.collect()
     }
 
     #[test]
-    fn cones_and_pyramids_have_tips_and_spheres_have_none() {
+    fn cones_and_pyramids_have_apexes_and_spheres_have_none() {
         let base = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (1.0, 1.0)];
         let apex = DVec3::new(0.2, 0.1, 1.0);
         let net = base.iter().flat_map(|&(x, y)| [DVec3::new(x, y, 0.0), apex]).collect();
         let knots = |n| KnotVector::clamped_uniform(1, n).unwrap();
         let pyramid = NurbsSurface::new(knots(5), knots(2), net, None).unwrap();
-        assert_eq!(tips(&pyramid), [true; 4]);
-        assert_eq!(tips(&shapes::cone(1.0, 1.0).unwrap()), [true; 4]);
+        assert_eq!(apexes(&pyramid), [true; 4]);
+        assert_eq!(apexes(&shapes::cone(1.0, 1.0).unwrap()), [true; 4]);
 
         // A fan in a plane has a normal everywhere.
         let flat = base.iter().flat_map(|&(x, y)| [DVec3::new(x, y, 0.0), DVec3::ZERO]).collect();
         let flat = NurbsSurface::new(knots(5), knots(2), flat, None).unwrap();
-        assert_eq!(tips(&flat), [false; 4]);
+        assert_eq!(apexes(&flat), [false; 4]);
         let sphere = shapes::sphere(1.0).unwrap();
-        assert!(tips(&sphere).iter().all(|is_tip| !is_tip));
+        assert!(apexes(&sphere).iter().all(|is_apex| !is_apex));
     }
 }
