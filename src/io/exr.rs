@@ -1,5 +1,7 @@
 //! OpenEXR pictures: the film as it is, linear and with all data.
 
+mod film_channels;
+
 use std::io;
 use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -7,14 +9,14 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use exr::error::Error as ExrError;
 use exr::meta::attribute::{Chromaticities, Matrix4x4};
 use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, FlatSamples, Image,
-    ImageAttributes, IntegerBounds, Layer, LayerAttributes, LineOrder, SmallVec, Text, Vec2,
-    WritableImage, f16,
+    AttributeValue, Blocks, Compression, Encoding, Image, ImageAttributes, IntegerBounds, Layer,
+    LayerAttributes, LineOrder, SmallVec, Text, Vec2, WritableImage,
 };
 use glam::{DVec2, DVec3};
 
+use self::film_channels::FilmChannels;
 use super::{StagedFile, WriteError, stage};
-use crate::render::{Channel, Film};
+use crate::render::Film;
 use crate::scene::{Camera, Projection, Rgb};
 
 /// How precisely colour is stored. Data channels are 32 bits always: 16 would lose
@@ -83,15 +85,11 @@ pub fn stage_exr(
     })
 }
 
-fn image(
-    film: &Film,
+fn image<'f>(
+    film: &'f Film,
     precision: ExrPrecision,
     notes: &ExrNotes<'_>,
-) -> Image<Layer<AnyChannels<FlatSamples>>> {
-    let channels = film.channels().map(|channel| {
-        let plane = film.plane(channel).unwrap_or_default();
-        AnyChannel::new(channel.name(), samples(channel, plane, precision))
-    });
+) -> Image<Layer<FilmChannels<'f>>> {
     let encoding = Encoding {
         compression: Compression::ZIP16,
         blocks: Blocks::ScanLines,
@@ -99,7 +97,7 @@ fn image(
     };
     let window = film.window();
     let size = Vec2(window.width() as usize, window.height() as usize);
-    let channels = AnyChannels::sort(channels.collect());
+    let channels = FilmChannels::new(film, precision);
     let layer = Layer::new(size, layer_attributes(film, notes), encoding, channels);
 
     let (width, height) = film.settings().size;
@@ -116,14 +114,6 @@ const REC_709: Chromaticities = Chromaticities {
     blue: Vec2(0.15, 0.06),
     white: Vec2(0.3127, 0.3290),
 };
-
-fn samples(channel: Channel, plane: Vec<f32>, precision: ExrPrecision) -> FlatSamples {
-    if precision == ExrPrecision::Float || !channel.is_color() {
-        return FlatSamples::F32(plane);
-    }
-    let largest = f16::MAX.to_f32();
-    FlatSamples::F16(plane.into_iter().map(|x| f16::from_f32(x.clamp(-largest, largest))).collect())
-}
 
 fn layer_attributes(film: &Film, notes: &ExrNotes<'_>) -> LayerAttributes {
     let (settings, counters) = (film.settings(), film.counters());
@@ -234,10 +224,10 @@ fn date(time: SystemTime) -> String {
 mod tests {
     use std::fs;
 
-    use exr::prelude::{ReadChannels, ReadLayers, read};
+    use exr::prelude::{AnyChannels, FlatSamples, ReadChannels, ReadLayers, read};
 
     use super::*;
-    use crate::render::{AovSet, PixelRect, RenderSettings};
+    use crate::render::{AovSet, Channel, PixelRect, RenderSettings};
     use crate::scene::View;
 
     fn camera() -> Camera {

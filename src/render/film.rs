@@ -135,6 +135,17 @@ impl Film {
         holds.then(|| (0..count).map(|index| self.value_at(channel, index)).collect())
     }
 
+    /// One channel of one row of the window, from the left; `None` for rows off the window, and for
+    /// channels the film does not hold. `y` is counted from the top of the picture.
+    pub fn row(&self, channel: Channel, y: u32) -> Option<impl Iterator<Item = f32> + '_> {
+        let window = self.window();
+        let first = [window.min()[0], y];
+        let holds = window.contains(first) && self.channels().any(|held| held == channel);
+        let pixels = |start: usize| start..start + window.width() as usize;
+        holds
+            .then(|| pixels(window.index_of(first)).map(move |index| self.value_at(channel, index)))
+    }
+
     fn value_at(&self, channel: Channel, index: usize) -> f32 {
         use Channel::*;
         let mean = |color| self.pixels.mean(index, color) as f32;
@@ -288,7 +299,9 @@ mod tests {
         let film = Film::new(&settings).unwrap();
         assert_eq!(film.plane(Channel::Z), None);
         assert_eq!(film.plane(Channel::AlbedoR), None);
+        assert!(film.row(Channel::AlbedoR, 0).is_none() && film.row(Channel::Z, 2).is_none());
         assert_eq!(film.plane(Channel::Id), Some(vec![-1.0; 6]));
+        assert_eq!(film.row(Channel::Id, 1).unwrap().collect::<Vec<_>>(), [-1.0; 3]);
     }
 
     #[test]

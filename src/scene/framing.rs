@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::{Camera, CameraError, CameraSpec, Lens, Light, Place, Projection, View, Written};
 use crate::geometry::trim::{Side, UvBox};
-use crate::geometry::{Chart, Charts, KnotVector, Surface};
+use crate::geometry::{Chart, Charts, KnotVector, NurbsSurface, Surface};
 
 /// Where the camera stands if no place is given: a three-quarter view from the front (−y), the
 /// right, and 25° above, so that three sides of a box show at three different widths.
@@ -20,9 +20,17 @@ const MARGIN: f64 = 1.05;
 /// sphere is found to a thousandth of its size, well within [`MARGIN`].
 const MOST_SAMPLES: usize = 48;
 
-/// The approximate number of points sampled in all, a few milliseconds' work. If there are many
-/// surfaces, each is small, and so is the part that its few samples miss.
+/// The approximate number of points sampled in all to see how large each surface is, a few
+/// milliseconds' work. If there are many surfaces, most are small, and so is the part that their few
+/// samples miss.
 const ALL_SAMPLES: f64 = 65_536.0;
+
+/// Where weights differ by more than this factor, a surface runs through much of its extent near the
+/// ends of its spans.
+const EVEN_WEIGHTS: f64 = 16.0;
+
+/// The most points sampled on the way to each end of such spans, each nearer by √2.
+const MOST_NEAR_ENDS: f64 = 64.0;
 
 /// A sphere around the middle of the surfaces that holds them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,15 +43,36 @@ impl BoundingSphere {
     /// The sphere about the middle of the surfaces' bounding box; found by sampling, since
     /// control points can lie far off their surface. `None` without surfaces.
     pub(super) fn of<'a>(surfaces: impl ExactSizeIterator<Item = &'a Surface>) -> Option<Self> {
-        let across = (ALL_SAMPLES / surfaces.len() as f64).sqrt() as usize;
-        let across = across.min(MOST_SAMPLES);
-        let points = appended(surfaces.map(|surface| all_samples(surface, across)));
+        let few = (ALL_SAMPLES / surfaces.len() as f64).sqrt() as usize;
+        let few = few.clamp(2, MOST_SAMPLES); // fewer would miss the middle of a closed span
+        let mut points = Vec::new();
+        let mut sampled = Vec::with_capacity(surfaces.len());
+        for surface in surfaces {
+            let mut some = all_samples(surface, few);
+            sampled.push((surface, extent(&some)));
+            points.append(&mut some);
+        }
+        // What few samples miss of a surface is a share of its size that falls with their square.
+        let whole = extent(&points);
+        for (surface, size) in sampled {
+            let needed = (MOST_SAMPLES as f64 * (size / whole).sqrt()).ceil() as usize;
+            if needed > few {
+                points.append(&mut all_samples(surface, needed));
+            }
+        }
         let low = points.iter().copied().reduce(DVec3::min)?;
         let high = points.iter().copied().reduce(DVec3::max)?;
         let center = 0.5 * low + 0.5 * high;
         let radius = points.iter().map(|point| point.distance(center)).fold(0.0, f64::max);
         Some(Self { center, radius })
     }
+}
+
+/// The longest side of the points' bounding box.
+fn extent(points: &[DVec3]) -> f64 {
+    let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    (high - low).max_element()
 }
 
 /// Points on a surface: the more charts, the fewer on each.
@@ -77,8 +106,9 @@ fn samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
         Some(trims) => trims.bounds(),
         None => UvBox::new(us.domain().into(), vs.domain().into()),
     };
-    let us = parameters(us, across, [bounds.min.x, bounds.max.x]);
-    let vs = parameters(vs, across, [bounds.min.y, bounds.max.y]);
+    let near_ends = samples_near_ends(surface);
+    let us = parameters(us, across, near_ends, [bounds.min.x, bounds.max.x]);
+    let vs = parameters(vs, across, near_ends, [bounds.min.y, bounds.max.y]);
     let points = surface.points_at(&us, &vs);
     let Some(trims) = &chart.trims else { return points };
     let grid = us.iter().flat_map(|&u| vs.iter().map(move |&v| DVec2::new(u, v)));
@@ -91,15 +121,32 @@ fn samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
     kept.chain(edges.map(|uv| surface.point_at(uv.x, uv.y))).collect()
 }
 
-/// The ends of all spans within a range, and enough parameters between them to make up `across`.
-fn parameters(knots: &KnotVector, across: usize, [from, to]: [f64; 2]) -> Vec<f64> {
+/// How many points are sampled near each end of a span, because of the weights.
+fn samples_near_ends(surface: &NurbsSurface) -> usize {
+    let least = surface.weights().fold(f64::INFINITY, f64::min);
+    let ratio = surface.weights().fold(0.0, f64::max) / least;
+    if ratio > EVEN_WEIGHTS { (2.0 * ratio.log2()).min(MOST_NEAR_ENDS) as usize } else { 0 }
+}
+
+/// The ends of all spans within a range, enough parameters between them to make up `across`, and
+/// this many near each end of each span.
+fn parameters(
+    knots: &KnotVector,
+    across: usize,
+    near_ends: usize,
+    [from, to]: [f64; 2],
+) -> Vec<f64> {
     let spans = knots.spans().map(|span| [span.start.max(from), span.end.min(to)]);
     let spans: Vec<[f64; 2]> = spans.filter(|[start, end]| start < end).collect();
     let each = across.div_ceil(spans.len().max(1)).max(1);
+    let mut shares: Vec<f64> = (1..=each).map(|k| k as f64 / each as f64).collect();
+    for k in 1..=near_ends {
+        let share = 0.5f64.powf(0.5 * (k + 1) as f64);
+        shares.extend([share, 1.0 - share]);
+    }
     let mut parameters = vec![from];
     for [start, end] in spans {
-        let share = |k: usize| k as f64 / each as f64;
-        parameters.extend((1..=each).map(|k| start + share(k) * (end - start)));
+        parameters.extend(shares.iter().map(|share| start + share * (end - start)));
     }
     parameters
 }
@@ -188,6 +235,42 @@ pub(super) fn default_lights(camera: &Camera) -> Vec<Light> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::shapes;
+
+    #[test]
+    fn a_large_surface_among_many_small_ones_is_held() {
+        let plane = Surface::from(shapes::plane(1.0, 1.0).unwrap());
+        let knots = || KnotVector::bezier(2).unwrap();
+        // Its middle is at x = 0, y = 10, half as high as its middle control point.
+        let net = [[-20.0, 0.0], [0.0, 20.0], [20.0, 0.0]];
+        let net = net.map(|[x, y]| [0.0, 0.5, 1.0].map(|z| DVec3::new(x, y, z)));
+        let arch = NurbsSurface::new(knots(), knots(), net.concat(), None).unwrap();
+        let arch = Surface::from(arch);
+        for many in [0, 10, 1_500, 2_000, 17_000] {
+            let all: Vec<Surface> =
+                std::iter::repeat_n(&plane, many).chain([&arch]).cloned().collect();
+            let sphere = BoundingSphere::of(all.iter()).unwrap();
+            for point in [DVec3::new(0.0, 10.0, 0.5), DVec3::new(20.0, 0.0, 1.0)] {
+                let off = point.distance(sphere.center) / sphere.radius;
+                assert!(off < 1.0 + 1e-3, "{many}: {off}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_bulges_near_the_end_of_a_span_is_held() {
+        for ratio in [1.0, 3.0, 1e2, 1e4, 1e8] {
+            let knots = |degree| KnotVector::bezier(degree).unwrap();
+            let net = [-1.0, 8.0, 1.0].map(|z| [0.0, 1.0].map(|x| DVec3::new(x, 0.0, z)));
+            let weights = [1.0, ratio, ratio * ratio].map(|weight| [weight; 2]).concat();
+            let bulge = NurbsSurface::new(knots(2), knots(1), net.concat(), Some(weights)).unwrap();
+            let sphere = BoundingSphere::of([Surface::from(bulge)].iter()).unwrap();
+            // Its parabola, whatever the weights: 65/16 at the height of its vertex.
+            let highest = DVec3::new(0.5, 0.0, 65.0 / 16.0);
+            let off = highest.distance(sphere.center) / sphere.radius;
+            assert!(off < MARGIN, "{ratio}: {off}");
+        }
+    }
 
     #[test]
     fn pictures_of_any_shape_just_hold_the_sphere_and_lenses_say_how_high_they_are() {

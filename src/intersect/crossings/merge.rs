@@ -32,9 +32,8 @@ pub(crate) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) 
     let mut near: Vec<usize> = Vec::new();
     for (k, meeting) in meetings.iter().enumerate() {
         near.retain(|&c| meeting.t - meetings[crossings[c].last()].t <= reach);
-        let is_same = |view: &Meeting| {
-            same_side(view, meeting) && at_one_place(view, meeting, pieces, axis)
-        };
+        let is_same =
+            |view: &Meeting| same_side(view, meeting) && at_one_place(view, meeting, pieces, axis);
         let joins = |&&c: &&usize| is_same(&crossings[c].counted(meetings));
         if let Some(&c) = near.iter().rev().find(joins) {
             crossings[c].join(k, meeting);

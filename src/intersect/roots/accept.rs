@@ -85,7 +85,10 @@ impl<'a> Candidate<'a> {
         let (ray, proof) = (question.ray, solution.proof);
         let OnRay { ref spot, z, .. } = on_ray;
         let error = spot.piece.patch.error_bound(ray.magnitude);
-        let (normal, cosine) = spot.normal_along(ray);
+        let (normal, mut cosine) = spot.normal_along(ray);
+        if matches!(proof, Proof::Contact(_)) && !spot.has_one_side(ray, cosine) {
+            cosine = 0.0;
+        }
         let mut flags = match proof {
             Proof::Isolated(_) | Proof::Collapsed => HitFlags::NONE,
             Proof::Contact(_) => HitFlags::DOUBTFUL,

@@ -27,7 +27,8 @@ pub(crate) struct Meeting {
     pub error: f64,
     /// How far the point may be from the trim edge it is at; zero elsewhere.
     pub edge: f64,
-    /// The cosine between the ray and the normal, signed; zero where there is no normal.
+    /// The cosine between the ray and the normal, signed; zero where there is no normal, or where
+    /// the ray may go either way.
     pub cosine: f64,
     /// The stretch along which the ray runs inside the surface, as ray parameters.
     pub stretch: Option<[f64; 2]>,

@@ -21,4 +21,34 @@ impl<'a> Spot<'a> {
         let normal = self.piece.normal(self.st, &self.jet);
         (normal, normal.map_or(0.0, |normal| normal.dot(ray.axis)))
     }
+
+    /// Whether the ray goes one way through all of the surface around the place: that with this
+    /// sign of `N · d`.
+    ///
+    /// At a corner where both tangents have one line, as where a crease of a limit surface runs on
+    /// smoothly past the only face on one side of it, normals have a limit on each way to the
+    /// corner, but not the same on all ways.
+    pub(crate) fn has_one_side(&self, ray: &RayFrame, cosine: f64) -> bool {
+        let Jet { ds, dt, .. } = self.jet;
+        let corner = self.st.round();
+        let inward = DVec2::ONE - 2.0 * corner;
+        // False for a collapsed side.
+        let is_flat = ds.cross(dt).length() < ONE_LINE * ds.length() * dt.length();
+        let is_corner = (self.st - corner).abs().max_element() <= BESIDE_CORNER;
+        if !(is_flat && is_corner) {
+            return true;
+        }
+        [DVec2::X, DVec2::Y, DVec2::ONE].into_iter().all(|way| {
+            let st = corner + BESIDE_CORNER * way * inward;
+            let normal = self.piece.normal(st, &self.piece.patch.jet(st));
+            normal.is_some_and(|normal| normal.dot(ray.axis) * cosine > 0.0)
+        })
+    }
 }
+
+/// Tangents have one line if the sine of their angle is less than this.
+const ONE_LINE: f64 = 1e-5;
+
+/// How far from such a corner, in each parameter of the piece, normals are compared: farther than
+/// rounding moves a place there, which is by the square root of the error of points.
+const BESIDE_CORNER: f64 = 1.0 / 64.0;
