@@ -1,7 +1,7 @@
 //! All hits of rays through closed bodies: as many in as out, or in doubt.
 
 use glam::{DVec2, DVec3};
-use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
+use nurbray::geometry::{Cage, CageParts, Crease, KnotVector, NurbsSurface, shapes};
 use nurbray::intersect::{Query, SurfaceBvh, Tracer};
 use nurbray::math::Ray;
 
@@ -76,4 +76,49 @@ fn a_ray_nearly_along_an_edge_passes_it_once() {
         // At the smaller angles nearly all of them are in doubt, and rightly.
         assert!(doubted < [100, 900, 1001][(power > 10) as usize + (power > 11) as usize]);
     }
+}
+
+/// A crease runs on smoothly past the only face on one side of it: the tangents at that corner of the
+/// face have one line, and its normals differ from way to way to the corner.
+#[test]
+fn a_ray_past_a_crease_with_one_face_beside_it_goes_in_and_out() {
+    let positions = [
+        [-0.80, -1.26, -0.96],
+        [0.94, -1.05, -1.02],
+        [0.80, 0.98, -1.09],
+        [-0.67, 1.02, -1.04],
+        [-1.03, -1.07, 0.89],
+        [0.96, -0.95, 0.98],
+        [1.10, 0.98, 1.00],
+        [-0.85, 1.05, 0.95],
+    ];
+    let positions = positions.map(DVec3::from_array);
+    let sides =
+        [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+    let crease = |k: usize| Crease { vertices: [4 + k, 4 + (k + 1) % 4], sharpness: f64::INFINITY };
+    let cube = Cage::new(CageParts {
+        positions: positions.to_vec(),
+        faces: sides.map(Vec::from).to_vec(),
+        creases: (0..4).map(crease).collect(),
+        ..CageParts::default()
+    });
+    let surface = cube.unwrap().catmull_clark(1e-3).unwrap();
+    let bvh = SurfaceBvh::build(&[surface]).unwrap();
+    let mut tracer = bvh.tracer();
+    let mut random = Random::new(4);
+    let mut doubted = 0;
+    for k in 0..12_000 {
+        // The limit of a vertex of a crease, as of a uniform cubic spline.
+        let [before, at, after] = [3, 0, 1].map(|step| positions[4 + (k + step) % 4]);
+        let vertex = (before + 4.0 * at + after) / 6.0;
+        // Nearly in the plane of the face, and some roundings off the vertex.
+        let around = DVec2::from_angle(random.between(0.0, 7.0));
+        let along = DVec3::new(around.x, around.y, random.between(-0.1, 0.1)).normalize();
+        let off = random.power_of_ten(-14.5, -12.5) * random.direction();
+        let ray = Ray::new(vertex + off - 5.0 * along, along).unwrap();
+        let (count, doubtful) = crossings(&mut tracer, ray);
+        assert!(doubtful || count % 2 == 0, "{ray:?}: {count}");
+        doubted += u32::from(doubtful);
+    }
+    assert!(doubted < 8_000, "{doubted}");
 }
