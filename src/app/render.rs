@@ -12,7 +12,7 @@ use nurbray::io::{
 };
 use nurbray::math::Shown;
 use nurbray::render::{AovSet, Film, RenderSettings, render};
-use nurbray::scene::{CameraSpec, Lens, RenderDefaults, Scene, World, Written};
+use nurbray::scene::{CameraSpec, IntegratorKind, Lens, RenderDefaults, Scene, World, Written};
 
 use super::args::RenderArguments;
 use super::failure::{Failure, OrFail};
@@ -39,8 +39,8 @@ done).
 
 R, G, B and A of an EXR: linear light, a mean over all samples; A is the share of
 those that hit something. Of the rest, with direct, the background
-(nurbray:background in the header) is part of R, G, B already: subtract (1 - A)
-times that before you put the picture over another one.
+(nurbray:background in the header; 0,0,0 there with the others) is part of R, G, B
+already: subtract (1 - A) times that before you put the picture over another one.
 
 What an EXR holds besides, the AOVs (--aov chooses):
   Z       distance from the camera (of an orthographic one: from its film) to the
@@ -222,12 +222,14 @@ fn stage(
     match picture.format {
         Format::Exr => {
             let command = command_line(std::env::args_os());
+            // The others are black where nothing is hit.
+            let has_background = film.settings().integrator == IntegratorKind::Direct;
             let notes = ExrNotes {
                 command: &command,
                 time: SystemTime::now(),
                 duration: took,
                 camera: world.camera(),
-                background: world.background(),
+                background: if has_background { world.background() } else { [0.0; 3] },
             };
             stage_exr(picture.path, film, ExrPrecision::Float, &notes).or_failed()
         }

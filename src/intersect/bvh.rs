@@ -96,7 +96,7 @@ impl SurfaceBvh {
         self.set.surface_count()
     }
 
-    /// The number of leaves of a surface.
+    /// The number of leaves of a surface; 0 if there is no such surface.
     pub fn leaf_count(&self, surface: usize) -> usize {
         let pieces = self.set.pieces_of(surface);
         let leaves = self.leaves.iter();

@@ -297,9 +297,10 @@ pub struct Answer {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[must_use = "it may be doubtful"]
 pub struct Occlusion {
-    /// Whether some surface is met.
+    /// Whether some surface is met: for certain, unless the answer is `doubtful`.
     pub occluded: bool,
-    /// Whether floating point could not decide.
+    /// Whether floating point could not decide: all that was met is itself in doubt (`occluded`), or
+    /// nothing was met, but something may have been missed.
     pub doubtful: bool,
 }
 

@@ -16,9 +16,9 @@ pub enum Kernel {
     /// Many rays or many boxes at a time, with instructions that every processor of its
     /// architecture has.
     Portable,
-    /// The same with AVX2.
+    /// Many rays or many boxes at a time, with AVX2.
     Avx2,
-    /// The same with AVX-512.
+    /// Many rays or many boxes at a time, with AVX-512.
     Avx512,
 }
 

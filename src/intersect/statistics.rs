@@ -11,7 +11,7 @@ pub struct Statistics {
     pub nodes: u64,
     /// Leaves tested against a ray after their boxes were met.
     pub leaf_tests: u64,
-    /// Newton steps taken.
+    /// Newton's steps taken in f64, on the true surfaces; those of the search in f32 do not count.
     pub newton_iterations: u64,
     /// Calls of the exact solver.
     pub exact_calls: u64,

@@ -156,7 +156,7 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// The same by the scalar kernel.
+    /// The first hit of a ray by the scalar kernel.
     fn scalar_first(&mut self, query: &Query) -> Answer {
         self.first(query, leaf_search::search)
     }
@@ -174,7 +174,7 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// The same by the scalar kernel.
+    /// Whether anything lies on a ray, by the scalar kernel.
     fn scalar_any(&mut self, query: &Query) -> Occlusion {
         let frame = RayFrame::new(&query.ray);
         let question = Question::new(&self.bvh.set, query, &frame);
@@ -202,7 +202,8 @@ impl<'a> Tracer<'a> {
         self.merge(axis, hits)
     }
 
-    /// The same by the exact solver alone: slow, and independent of certificates and kernels.
+    /// All hits of a ray by the exact solver alone, as [`all_hits`](Self::all_hits) gives them: slow,
+    /// and independent of certificates and kernels.
     #[must_use = "`true` says that the hits are in doubt"]
     pub fn exact_all_hits<Q: Shot>(&mut self, shot: &Q, hits: &mut Vec<Hit>) -> bool {
         let axis = self.collect_all(&shot.query(), exactly);

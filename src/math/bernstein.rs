@@ -107,7 +107,8 @@ where
 }
 
 /// Restricts a tensor-product net of `(p + 1)(q + 1)` coefficients, second index fastest, to
-/// `[s0, s1] × [t0, t1]`, with the errors of two such restrictions, one after the other.
+/// `[s0, s1] × [t0, t1]`: first all columns, then all rows, which rounds twice as often as one
+/// restriction of a curve.
 ///
 /// # Panics
 /// If there are not that many coefficients.

@@ -74,7 +74,7 @@ fn unit_and_length(v: DVec3) -> (DVec3, f64) {
     (v * (1.0 / length), length)
 }
 
-/// The same, scaled first: the squares of tiny or huge components would be lost.
+/// [`unit_and_length`], scaled first: the squares of tiny or huge components would be lost.
 #[cold]
 #[inline(never)] // else both cases would meet in memory, written as single numbers and read as vectors
 fn unit_and_length_of_extreme(v: DVec3) -> (DVec3, f64) {

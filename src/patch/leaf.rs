@@ -230,7 +230,7 @@ impl Leaf {
         self.fit_error.value()
     }
 
-    /// The same for either partial derivative.
+    /// The error bound of either partial derivative of `F`.
     #[inline(always)]
     pub(crate) fn slope_error(&self) -> f32 {
         self.slope_error.value()

@@ -86,7 +86,7 @@ impl Piece {
         self.patch.net.map.uv(self.chart_uv(st))
     }
 
-    /// The same in the parameters of its chart.
+    /// The parameters of its chart at a point of the unit square: see [`uv`](Self::uv).
     #[inline]
     pub(crate) fn chart_uv(&self, st: DVec2) -> DVec2 {
         let domain = self.domain();
@@ -122,8 +122,8 @@ impl Piece {
         trims.window(&UvBox { min, max }, self.uv_rounding())
     }
 
-    /// A rectangle that holds everything that the trims keep of a part of the unit square; `None`
-    /// if there are no trims, or if they keep nothing.
+    /// A rectangle that holds everything that the trims keep of a part of the unit square, both given
+    /// as from and to in `s`, then in `t`; `None` if there are no trims, or if they keep nothing.
     pub fn kept_part(&self, rect: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
         let kept = self.trims()?.kept_within(&self.uv_box(rect))?.grown(self.uv_rounding());
         let domain = self.domain();

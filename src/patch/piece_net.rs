@@ -203,7 +203,7 @@ impl<'a> SplineNet<'a> {
         net
     }
 
-    /// The same for degree 3 or less, without the common weight of all points.
+    /// The net of a piece of degree 3 or less, without the common weight of all points.
     fn cubic_net(&self) -> BezierNet {
         // Degrees known in advance need no branches.
         let points = match self.degree() {
@@ -222,7 +222,7 @@ impl<'a> SplineNet<'a> {
         net
     }
 
-    /// The same for any degrees.
+    /// The net of a piece of any degrees, without that weight.
     fn long_net(&self) -> BezierNet {
         let ([p, q], size) = (self.degree(), self.size());
         let mut net = BezierNet::from_elem(DVec4::ZERO, (p + 1) * (q + 1));

@@ -104,7 +104,7 @@ impl TensorPatch {
         self.net.source(self.first)
     }
 
-    /// The same for the net whose sums are used where speed counts.
+    /// Where the net is whose sums are used where speed counts: kept, or to be made.
     #[inline(always)]
     pub(crate) fn sums_source(&self) -> NetSource<'_> {
         self.net.sums_source(self.first)
@@ -168,12 +168,14 @@ impl TensorPatch {
         self.is_rational() && p.max(q) <= 3
     }
 
-    /// The largest absolute coordinate of the control points, rounded up to six digits.
+    /// The largest absolute coordinate of the control points, in scene units, rounded up to six
+    /// digits.
     pub fn magnitude(&self) -> f64 {
         self.magnitude.value()
     }
 
-    /// The longest side of the control points' bounding box, rounded up to six digits.
+    /// The longest side of the control points' bounding box, in scene units, rounded up to six
+    /// digits.
     pub fn size(&self) -> f64 {
         self.size.value()
     }
@@ -191,7 +193,8 @@ impl TensorPatch {
         self.error_bound(0.0)
     }
 
-    /// The same for a ray; `magnitude` is the largest absolute coordinate of the ray's origin.
+    /// The error bound of a point computed for a ray, in scene units; `magnitude` is the largest
+    /// absolute coordinate of the ray's origin.
     #[inline(always)]
     pub(crate) fn error_bound(&self, magnitude: f64) -> f64 {
         self.residual_factor() * self.magnitude().max(magnitude)
@@ -204,7 +207,7 @@ impl TensorPatch {
         self.jet_of(self.net(&mut None), st)
     }
 
-    /// The same from its [`net`](Self::net), for callers that need many jets.
+    /// The [`jet`](Self::jet) from the [`net`](Self::net), for callers that need many.
     pub(crate) fn jet_of(&self, net: PieceNet<'_>, st: DVec2) -> Jet {
         // The same sums with as much room for basis functions as the degrees need.
         match self.degree()[0].max(self.degree()[1]) {

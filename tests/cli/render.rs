@@ -73,6 +73,15 @@ fn an_exr_holds_the_aovs_asked_for_and_tells_how_it_was_made() {
     let told = String::from_utf8_lossy(&sandbox.bytes("some.exr")).into_owned();
     assert!(told.contains("nurbray render sphere.toml -o some.exr --aov z,id --seed 7"));
 
+    let background = |name: &str| {
+        let image = read_first_flat_layer_from_file(sandbox.path(name)).unwrap();
+        let name = exr::prelude::Text::from("nurbray:background");
+        format!("{:?}", image.layer_data.attributes.other.get(&name))
+    };
+    assert!(!background("some.exr").contains("0,0,0"), "{}", background("some.exr"));
+    sandbox.run("render sphere.toml -o id.exr --integrator id").succeeded();
+    assert!(background("id.exr").contains("0,0,0"), "{}", background("id.exr"));
+
     sandbox.run("render sphere.toml -o none.exr --aov none").succeeded();
     assert_eq!(channels(&sandbox, "none.exr"), ["A", "B", "G", "R"]);
 }

@@ -106,7 +106,8 @@ impl Tracer<'_> {
 }
 
 impl Tracer<'_> {
-    /// The same for the leaves that the search of a single ray could not decide.
+    /// Runs the scalar search on the leaves that the search of a single ray could not decide: see
+    /// [`search_undecided`](Self::search_undecided).
     fn search_undecided_of_single(&mut self, ray: (&Query, &RayFrame), limit: f64, wanted: Wanted) {
         let undecided = std::mem::take(&mut self.single.undecided);
         self.search_undecided(ray, undecided.iter().copied(), limit, wanted);

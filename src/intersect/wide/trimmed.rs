@@ -32,7 +32,7 @@ pub(super) fn trims_keep(found: &HitPlace, view: &BvhView<'_>) -> Option<bool> {
     })
 }
 
-/// The same as far as the leaf's window tells. The place may be off by no more than
+/// Whether a root is kept, as far as the leaf's window tells. The place may be off by no more than
 /// [`Leaf::stretch`] allows, which is no less than [`trim_reach`] says but for rounding, and
 /// [`TRIM_SPARE`] covers that. Where nothing is known of it, as at poles, the window does not tell.
 fn window_keeps(window: &[WindowCurve], leaf: &Leaf, found: &HitPlace) -> Option<bool> {

@@ -8,7 +8,7 @@ use super::PACKET;
 /// A vector of f64 for each ray of a packet, by coordinate.
 pub(super) type Lanes3 = [[f64; PACKET]; 3];
 
-/// The same in f32.
+/// A vector of f32 for each ray of a packet, by coordinate.
 pub(super) type Lanes3f = [[f32; PACKET]; 3];
 
 /// Sixteen vectors, from `base` on.

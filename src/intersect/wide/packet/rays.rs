@@ -107,7 +107,7 @@ impl Packet {
         }
     }
 
-    /// The same for eight rays.
+    /// Notes a hit for those of the eight rays from `base` on whose bit is set.
     #[inline(always)]
     pub(super) fn meet_eight<S: Simd>(&mut self, simd: S, base: usize, hits: u64) {
         self.hits.met |= hits << base;

@@ -171,7 +171,7 @@ pub(crate) fn search_ahead<S: Simd>(
     work.nets = nets;
 }
 
-/// The same, with the net for sums.
+/// [`search_ahead`] with the net for sums.
 #[inline(always)]
 fn search_net<S: Simd>(
     simd: S,
@@ -204,7 +204,7 @@ fn search_net<S: Simd>(
     search_by_proof(simd, view, (index, fitted, surface), error, (ray, work));
 }
 
-/// The same by the ray's own proof of how many roots it has in the leaf.
+/// Searches one leaf by the ray's own proof of how many roots it has there.
 #[simd] // a function of its own: it needs far more room than the usual way
 fn search_by_proof<S: Simd>(
     simd: S,

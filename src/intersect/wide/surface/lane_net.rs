@@ -165,7 +165,7 @@ fn make_all<S: Simd>(simd: S, form: Form, along: &[[ToPowers<'_>; 8]; 2], number
     }
 }
 
-/// The same for these degrees, up to three, and this many numbers in a row: all columns, then all
+/// [`make_all`] for these degrees, up to three, and this many numbers in a row: all columns, then all
 /// rows.
 #[inline(always)]
 fn make_all_of<S: Simd>(
@@ -187,7 +187,7 @@ fn make_all_of<S: Simd>(
     }
 }
 
-/// The same for any degrees.
+/// [`make_all`] for any degrees.
 #[simd]
 fn make_all_long<S: Simd>(
     simd: S,
