@@ -178,20 +178,31 @@ fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (Rect, bool) {
     let mut rect = leaf.widened(piece, LEAF_SLACK);
     let sides = leaf.rect();
     let middle = DVec2::from_array(sides.map(|[from, to]| 0.5 * (from + to)));
-    let at_middle = piece.patch.point(middle);
     let mut is_all = true;
     for side in CollapsedSide::ALL {
         let (k, end) = (side.parameter(), side.end());
         if !side.is_reached_by(&sides) || leaf.collapsed(piece) == Some(side) {
             continue;
         }
-        let half_side = piece.patch.point(side.beside(middle)).distance(at_middle);
-        let part = BEYOND_SIDES * error / (2.0 * half_side);
-        if part > LEAF_SLACK {
+        // What is searched beyond the side, as a part of the leaf's side, across a place of the leaf.
+        let part = |place: DVec2| {
+            let half_side =
+                piece.patch.point(side.beside(place)).distance(piece.patch.point(place));
+            BEYOND_SIDES * error / (2.0 * half_side)
+        };
+        let in_middle = part(middle);
+        if in_middle > LEAF_SLACK {
             let farthest = FARTHEST_BEYOND / piece.patch.degree()[k] as f64;
-            is_all &= part <= 4.0 * farthest;
+            // A surface that crosses itself there has no length in the middle, but elsewhere; a ray
+            // that passes beside its middle is on it.
+            let is_short = |across: f64| {
+                let mut place = middle;
+                place[1 - k] = across;
+                part(place) > 4.0 * farthest
+            };
+            is_all &= in_middle <= 4.0 * farthest || !sides[1 - k].into_iter().all(is_short);
             let [from, to] = sides[k];
-            let more = part.min(farthest) * (to - from);
+            let more = in_middle.min(farthest) * (to - from);
             rect[k][end] = if end == 0 { from - more } else { to + more };
         }
     }
