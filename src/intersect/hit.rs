@@ -271,12 +271,63 @@ impl Shot for Query {
     }
 }
 
-mod sealed {
-    /// Only the two kinds of shot there are.
-    pub trait Sealed {}
-    impl Sealed for super::Ray {}
-    impl Sealed for super::Query {}
+/// One shot, of either kind.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OneShot<'a> {
+    pub ray: &'a Ray,
+    start: Option<&'a Root>,
 }
+
+impl<'a> OneShot<'a> {
+    #[inline(always)]
+    pub(crate) fn of<Q: Shot>(shot: &'a Q) -> Self {
+        Self { ray: shot.ray(), start: shot.start_root() }
+    }
+
+    /// The root of these surfaces that the ray starts on.
+    #[inline(always)]
+    pub(crate) fn start_in(&self, set: &PatchSet) -> Option<&'a Root> {
+        self.start.filter(|root| root.set == set.id())
+    }
+
+    pub(crate) fn query(&self) -> Query {
+        Query { ray: *self.ray, from: self.start.copied() }
+    }
+}
+
+mod sealed {
+    use super::{Query, Ray};
+
+    /// Only the two kinds of shot there are.
+    pub trait Sealed: Sized {
+        /// Tells which kind these are.
+        fn shots(all: &[Self]) -> Shots<'_>;
+    }
+
+    /// Shots of either kind.
+    ///
+    /// What takes these is not generic: it is compiled once, in this library, and not again in every
+    /// crate that traces rays, as optimised generic functions are.
+    #[derive(Clone, Copy, Debug)]
+    pub enum Shots<'a> {
+        Rays(&'a [Ray]),
+        Queries(&'a [Query]),
+    }
+
+    impl Sealed for Ray {
+        fn shots(all: &[Self]) -> Shots<'_> {
+            Shots::Rays(all)
+        }
+    }
+
+    impl Sealed for Query {
+        fn shots(all: &[Self]) -> Shots<'_> {
+            Shots::Queries(all)
+        }
+    }
+}
+
+pub(crate) use sealed::Shots;
 
 /// The first hit, or a proved miss (the default), or a doubtful answer. Answers compare as [`Hit`]s
 /// do: one with a hit that has no normal equals nothing.

@@ -14,6 +14,7 @@ use fearless_simd::Level;
 use glam::DVec3;
 
 use super::crossings::merge::merge;
+use super::hit::{OneShot, Shots};
 use super::roots::accept::AROUND;
 use super::roots::meeting::Meeting;
 use super::roots::question::{PlacedLeaf, Question};
@@ -150,6 +151,10 @@ impl<'a> Tracer<'a> {
     /// same `t` the one on the surface, then the piece, that was given first.
     #[inline]
     pub fn first_hit<Q: Shot>(&mut self, shot: &Q) -> Answer {
+        self.first_hit_of(OneShot::of(shot))
+    }
+
+    fn first_hit_of(&mut self, shot: OneShot<'_>) -> Answer {
         match self.level {
             Some(level) => self.single_first(level, shot),
             None => self.scalar_first(&shot.query()),
@@ -168,6 +173,10 @@ impl<'a> Tracer<'a> {
 
     /// Whether anything lies on a ray within its range.
     pub fn occluded<Q: Shot>(&mut self, shot: &Q) -> Occlusion {
+        self.occluded_of(OneShot::of(shot))
+    }
+
+    fn occluded_of(&mut self, shot: OneShot<'_>) -> Occlusion {
         match self.level {
             Some(level) => self.single_any(level, shot),
             None => self.scalar_any(&shot.query()),
@@ -245,13 +254,7 @@ impl<'a> Tracer<'a> {
         answers: &mut Vec<Answer>,
     ) {
         answers.clear();
-        match self.level {
-            Some(level) if coherence == Coherence::Coherent => {
-                self.first_hits_in_packets(level, shots, answers);
-            }
-            Some(level) => self.first_hits_in_streams(level, shots, answers),
-            None => answers.extend(shots.iter().map(|shot| self.first_hit(shot))),
-        }
+        self.first_hits_of(Q::shots(shots), coherence, answers);
     }
 
     /// Occlusion of many rays; `answers` is cleared and filled in the same order.
@@ -265,6 +268,58 @@ impl<'a> Tracer<'a> {
         answers: &mut Vec<Occlusion>,
     ) {
         answers.clear();
+        self.occlusions_of(Q::shots(shots), coherence, answers);
+    }
+
+    /// Counts of the work done so far.
+    pub fn statistics(&self) -> Statistics {
+        let mut all = self.findings.statistics;
+        all += self.packets.work.statistics;
+        all += self.single.statistics;
+        all += self.stream.statistics();
+        all
+    }
+
+    fn first_hits_of(&mut self, shots: Shots<'_>, coherence: Coherence, answers: &mut Vec<Answer>) {
+        match shots {
+            Shots::Rays(rays) => self.add_first_hits(rays, coherence, answers),
+            Shots::Queries(queries) => self.add_first_hits(queries, coherence, answers),
+        }
+    }
+
+    fn add_first_hits<Q: Shot>(
+        &mut self,
+        shots: &[Q],
+        coherence: Coherence,
+        answers: &mut Vec<Answer>,
+    ) {
+        match self.level {
+            Some(level) if coherence == Coherence::Coherent => {
+                self.first_hits_in_packets(level, shots, answers);
+            }
+            Some(level) => self.first_hits_in_streams(level, shots, answers),
+            None => answers.extend(shots.iter().map(|shot| self.first_hit(shot))),
+        }
+    }
+
+    fn occlusions_of(
+        &mut self,
+        shots: Shots<'_>,
+        coherence: Coherence,
+        answers: &mut Vec<Occlusion>,
+    ) {
+        match shots {
+            Shots::Rays(rays) => self.add_occlusions(rays, coherence, answers),
+            Shots::Queries(queries) => self.add_occlusions(queries, coherence, answers),
+        }
+    }
+
+    fn add_occlusions<Q: Shot>(
+        &mut self,
+        shots: &[Q],
+        coherence: Coherence,
+        answers: &mut Vec<Occlusion>,
+    ) {
         match self.level {
             Some(level) if coherence == Coherence::Coherent => {
                 self.occlusions_in_packets(level, shots, answers);
@@ -275,15 +330,6 @@ impl<'a> Tracer<'a> {
             Some(level) => self.single_anys(level, shots, answers),
             None => answers.extend(shots.iter().map(|shot| self.occluded(shot))),
         }
-    }
-
-    /// Counts of the work done so far.
-    pub fn statistics(&self) -> Statistics {
-        let mut all = self.findings.statistics;
-        all += self.packets.work.statistics;
-        all += self.single.statistics;
-        all += self.stream.statistics();
-        all
     }
 
     fn first(&mut self, query: &Query, search: Search) -> Answer {

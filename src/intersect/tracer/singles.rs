@@ -5,7 +5,7 @@ use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
 use super::answer_of;
-use crate::intersect::hit::StartIn;
+use crate::intersect::hit::{OneShot, StartIn};
 use crate::intersect::roots::borders::at_border;
 use crate::intersect::roots::meeting::{CertainHit, Meeting};
 use crate::intersect::roots::question::Question;
@@ -17,11 +17,11 @@ use crate::patch::{Jet, Leaf, OrientedBox, Passage, Piece, SetId};
 
 impl Tracer<'_> {
     /// The first hit of one ray.
-    pub(super) fn single_first<Q: Shot>(&mut self, level: Level, shot: &Q) -> Answer {
-        if self.is_beyond_f32(shot.ray()) {
+    pub(super) fn single_first(&mut self, level: Level, shot: OneShot<'_>) -> Answer {
+        if self.is_beyond_f32(shot.ray) {
             return self.scalar_first(&shot.query());
         }
-        if self.bvh.surroundings.is_beside(shot.ray()) {
+        if self.bvh.surroundings.is_beside(shot.ray) {
             self.findings.statistics.rays += 1;
             return Answer::default();
         }
@@ -29,7 +29,7 @@ impl Tracer<'_> {
     }
 
     /// Whether anything lies on one ray.
-    pub(super) fn single_any<Q: Shot>(&mut self, level: Level, shot: &Q) -> Occlusion {
+    pub(super) fn single_any(&mut self, level: Level, shot: OneShot<'_>) -> Occlusion {
         dispatch!(level, simd => any_hit(simd, self, shot))
     }
 
@@ -130,13 +130,13 @@ impl Tracer<'_> {
 }
 
 #[simd]
-fn first_hit<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shot: &Q) -> Answer {
-    let frame = search(simd, tracer, (shot.ray(), shot.start_in(&tracer.bvh.set)), Wanted::First);
+fn first_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, shot: OneShot<'_>) -> Answer {
+    let frame = search(simd, tracer, (shot.ray, shot.start_in(&tracer.bvh.set)), Wanted::First);
     if !tracer.single.undecided.is_empty() {
         return tracer.with_scalar_search(&shot.query(), &frame);
     }
     let Some(hit) = tracer.single.hit() else { return Answer::default() };
-    Certain::new(&tracer.bvh.view(), shot.ray(), hit).answer(shot.ray(), frame.t_from_z)
+    Certain::new(&tracer.bvh.view(), shot.ray, hit).answer(shot.ray, frame.t_from_z)
 }
 
 #[simd]
@@ -148,18 +148,18 @@ fn any_hits<S: Simd, Q: Shot>(
 ) {
     answers.reserve(shots.len());
     for shot in shots {
-        answers.push(any_hit(simd, tracer, shot));
+        answers.push(any_hit(simd, tracer, OneShot::of(shot)));
     }
 }
 
 #[simd]
-fn any_hit<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shot: &Q) -> Occlusion {
-    if tracer.is_beyond_f32(shot.ray()) {
+fn any_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, shot: OneShot<'_>) -> Occlusion {
+    if tracer.is_beyond_f32(shot.ray) {
         return tracer.scalar_any(&shot.query());
     }
     // Unlike for first hits, nobody asks first whether the ray passes beside everything: most of
     // these rays start on a surface.
-    let frame = search(simd, tracer, (shot.ray(), shot.start_in(&tracer.bvh.set)), Wanted::Any);
+    let frame = search(simd, tracer, (shot.ray, shot.start_in(&tracer.bvh.set)), Wanted::Any);
     if tracer.single.hit().is_some() {
         return Occlusion { occluded: true, doubtful: false };
     }

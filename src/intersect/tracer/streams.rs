@@ -4,6 +4,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
 
 use super::singles::Certain;
+use crate::intersect::hit::OneShot;
 use crate::intersect::wide::{FLIGHTS, Wanted, trace_stream};
 use crate::intersect::{Answer, Occlusion, Shot, Tracer};
 
@@ -36,7 +37,7 @@ impl Tracer<'_> {
             for (k, shot) in shots.iter().enumerate() {
                 if self.stream.is_alone(k) {
                     self.findings.statistics.uncount();
-                    answers[first + k] = self.single_first(level, shot);
+                    answers[first + k] = self.single_first(level, OneShot::of(shot));
                 }
             }
         }
@@ -56,7 +57,7 @@ impl Tracer<'_> {
                 let occluded = self.stream.is_met(k);
                 answers.push(if self.stream.is_alone(k) && !occluded {
                     self.findings.statistics.uncount();
-                    self.single_any(level, shot)
+                    self.single_any(level, OneShot::of(shot))
                 } else {
                     Occlusion { occluded, doubtful: false }
                 });
