@@ -50,6 +50,17 @@
 //! surface. What neither the certificate nor those proofs decide goes to the scalar search. The
 //! answer for a ray does not depend on its neighbours.
 //!
+//! A place where a ray meets a surface has several names on its way to the caller:
+//!
+//! | | |
+//! |---|---|
+//! | `Solution` | a search of a leaf says that the ray meets it there, and how that is known |
+//! | `Spot` | that place on its piece, with the surface there |
+//! | `Meeting` | a solution that counts: on the piece, in the ray's range, kept by trims |
+//! | `SingleHit`, `LaneHit`, `CertainHit` | one that a fast kernel is certain of |
+//! | `Crossing` | meetings of several leaves or surfaces that are one |
+//! | [`Hit`], [`Root`] | what is reported, and the part of it that only this library understands |
+//!
 //! [`Tracer::all_hits`] is the scalar search of all leaves that a ray may meet.
 //! [`Tracer::exact_first_hit`] and [`Tracer::exact_all_hits`] use the exact solver alone; the
 //! program's `audit` compares the fast search with it.
