@@ -231,7 +231,7 @@ With --json one object on stdout: rays, hits, doubtful (rays), build_seconds,
   surfaces), threads, kernel.
 
 Example:
-  nurbray cast model.json --rays rays.npy -o hits.npy --json")]
+  nurbray cast scenes/teapot.json --rays rays.npy -o hits.npy --json")]
 pub(crate) struct CastArguments {
     /// Scene (.toml) or bare model (.json, .obj)
     pub(crate) input: PathBuf,

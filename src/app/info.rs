@@ -50,7 +50,8 @@ may reach beyond it.
 With --json one object:
   input, build_seconds
   surfaces       a list, in the order hits count them: index, name, material,
-                 degree [p, q], rational, size [nu, nv] (control points), domain
+                 degree [p, q], rational, size [nu, nv] (control points; null
+                 for triangles and subdivision surfaces), domain
                  [[u0, u1], [v0, v1]], pieces, leaves, bytes (of its control
                  points, trims, pieces and leaves), bounds [min, max],
                  collapsed_edges (a list: edge, point), deviation (how far it

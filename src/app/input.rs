@@ -17,7 +17,7 @@ pub(crate) fn read(path: &Path) -> Result<Scene, Failure> {
     load_input(path).or_bad_input()
 }
 
-/// Warns of what a scene, about to be traced, does not show of its files.
+/// Warns of what a scene, about to be traced or drawn, does not show of its files.
 pub(crate) fn warn_of_what_is_not_shown(path: &Path, scene: &Scene) {
     if let [first, others @ ..] = scene.notes.as_slice() {
         let more = match others.len() {

@@ -116,7 +116,9 @@ impl Errors {
     const FINER: u64 = (1 << (f64::MANTISSA_DIGITS - 1 - 8)) - 1;
 
     fn add(&mut self, error: f64) {
-        *self.counts.entry(error.abs().to_bits() | Self::FINER).or_default() += 1;
+        let bits = error.abs().to_bits();
+        let size = if bits == 0 { 0 } else { bits | Self::FINER };
+        *self.counts.entry(size).or_default() += 1;
         self.largest = larger(self.largest, Some(error));
     }
 
@@ -173,6 +175,7 @@ mod tests {
         }
         assert_eq!(hundred.error_quantile(1.0), Some(100.0));
         assert_eq!(tally(&[3.0]).error_quantile(0.5), Some(3.0));
+        assert_eq!(tally(&[0.0, 0.0, 3.0]).error_quantile(0.5), Some(0.0));
         assert_eq!(tally(&[]).error_quantile(1.0), None);
         assert!(tally(&[1.0, f64::NAN, 2.0]).error_quantile(1.0).unwrap().is_nan());
     }

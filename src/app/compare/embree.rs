@@ -121,12 +121,13 @@ impl Race {
     ) -> Result<Self, Failure> {
         let budget = Duration::from_secs_f64(arguments.seconds);
         let model = Model::load(&arguments.input, super::wanted_size(arguments), budget)?;
+        input::warn_of_what_is_not_shown(&arguments.input, &model.scene);
         let size = super::size(&model.world)?;
         let rays = Rays::new(RaySet::Primary, &model, size);
         let mut rivals = Vec::new();
         let mut meshes = Vec::new();
         for tolerance in arguments.tolerances() {
-            let (rival, mesh) = Rival::build(embree, &model.surfaces, tolerance, budget)?;
+            let (rival, mesh) = Rival::build(embree, &model, tolerance, budget)?;
             rivals.push(rival);
             meshes.push(mesh);
         }

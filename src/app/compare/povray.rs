@@ -9,7 +9,7 @@ use super::super::args::CompareArguments;
 use super::super::failure::{Failure, OrFail};
 use super::super::progress::Progress;
 use super::super::race::{Measurement, Model, RaySet, Rays, tiled_pixels};
-use super::super::{console, threads};
+use super::super::{console, input, threads};
 use super::errors::Errors;
 use super::folder::Folder;
 use super::heat::{self, Color, Scale};
@@ -59,6 +59,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let budget = Duration::from_secs_f64(arguments.seconds);
     let wanted = super::wanted_size(arguments);
     let model = pool.install(|| Model::load(&arguments.input, wanted, budget))?;
+    input::warn_of_what_is_not_shown(&arguments.input, &model.scene);
     let size = super::size(&model.world)?;
 
     let scenes = scenes(&model, size, &tolerances)?;

@@ -3,7 +3,6 @@
 use std::time::Duration;
 
 use anyhow::Context;
-use nurbray::geometry::Surface;
 use nurbray::intersect::{Coherence, Query};
 use nurbray::io::mesh::{GridMesh, MeshError, TessellationPlan};
 use nurbray::io::{Embree, EmbreeHit, EmbreePrimitive, EmbreeRays, EmbreeScene, PacketWidth};
@@ -12,6 +11,7 @@ use rayon::prelude::*;
 
 use super::super::failure::{Failure, OrFail};
 use super::clock::seconds_a_pass;
+use super::model::Model;
 use super::outcome::Outcome;
 use super::ray_set::{Calls, Question};
 use super::rays::{CHUNK, Rays};
@@ -48,20 +48,22 @@ pub(crate) struct Rival {
 }
 
 impl Rival {
-    /// Tessellates surfaces and builds the hierarchy, again and again for about as long as
-    /// `budget`. Also returns the meshes, which no ray needs any more.
+    /// Tessellates the surfaces of a model to within `tolerance`, a fraction of its diagonal, and
+    /// builds the hierarchy, again and again for about as long as `budget`. Also returns the meshes,
+    /// which no ray needs any more.
     ///
     /// # Errors
     /// When the mesh becomes too large.
     pub(crate) fn build(
         embree: &Embree,
-        surfaces: &[Surface],
+        model: &Model,
         tolerance: f64,
         budget: Duration,
     ) -> Result<(Self, Vec<GridMesh>), Failure> {
         let context = || format!("tolerance {tolerance:e}");
+        let distance = tolerance * model.diagonal;
         let (plan, plan_seconds) = repeat(budget, || {
-            TessellationPlan::to_tolerance(surfaces, tolerance)
+            TessellationPlan::to_distance(&model.surfaces, distance)
                 .map_err(|error| fault(tolerance, error))
         })?;
         let (meshes, mesh_seconds) =
@@ -73,7 +75,7 @@ impl Rival {
         let rival = Self {
             scene,
             tolerance,
-            distance: tolerance * plan.diagonal(),
+            distance,
             triangles: meshes.iter().map(|mesh| mesh.triangles().count()).sum(),
             plan_seconds,
             build_seconds: mesh_seconds + commit_seconds,

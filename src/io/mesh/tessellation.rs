@@ -49,13 +49,31 @@ impl TessellationPlan {
     /// # Errors
     /// When `fraction` is not a positive number, or a surface cannot be cut at its creases.
     pub fn to_tolerance(surfaces: &[impl Charts], fraction: f64) -> Result<Self, MeshError> {
-        let usable = fraction > 0.0 && fraction.is_finite(); // false for NaN
+        Self::to(surfaces, fraction, |diagonal| fraction * diagonal)
+    }
+
+    /// Plans to cut surfaces so finely that their distance from their triangles stays within
+    /// `distance`, in scene units, checked as [`TessellationPlan::to_tolerance`] does.
+    ///
+    /// # Errors
+    /// When `distance` is not a positive number, or a surface cannot be cut at its creases.
+    pub fn to_distance(surfaces: &[impl Charts], distance: f64) -> Result<Self, MeshError> {
+        Self::to(surfaces, distance, |_| distance)
+    }
+
+    /// Plans for a distance that may depend on the diagonal, if the tolerance asked for is usable.
+    fn to(
+        surfaces: &[impl Charts],
+        tolerance: f64,
+        distance: impl Fn(f64) -> f64,
+    ) -> Result<Self, MeshError> {
+        let usable = tolerance > 0.0 && tolerance.is_finite(); // false for NaN
         if !usable {
-            return Err(MeshError::Tolerance { tolerance: fraction });
+            return Err(MeshError::Tolerance { tolerance });
         }
         let mut plans = plans(surfaces, shown)?;
         let diagonal = diagonal(&plans);
-        let distance = fraction * diagonal;
+        let distance = distance(diagonal);
         for (_, plan) in &mut plans {
             plan.estimate(distance);
             for _ in 0..MAX_ROUNDS {
