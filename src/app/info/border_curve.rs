@@ -14,6 +14,10 @@ use super::chain::Chain;
 /// and long spans more.
 pub(crate) const INTERVALS: usize = 32;
 
+/// How often, at most, intervals that stand for too much of a curve are divided: each time into up
+/// to [`INTERVALS`] parts, so that this is enough for weights that differ by a factor of 1e6 or so.
+const ROUNDS: usize = 6;
+
 /// The most Newton steps to a nearest point. They double the correct digits from a start within
 /// one of 32 intervals, so six would do for a smooth piece; the rest are for corners.
 const STEPS: usize = 16;
@@ -125,22 +129,27 @@ impl<'a> BorderCurve<'a> {
             .collect();
         let per_span = INTERVALS.div_ceil(spans.len());
         let within = spans.iter().flat_map(|&[start, end]| divided([start, end], per_span));
-        let coarse: Vec<(f64, DVec3)> =
+        let mut points: Vec<(f64, DVec3)> =
             within.chain([domain.1]).map(|t| (t, source.point(t))).collect();
 
-        // Spans may be of very different lengths, but no interval may stand for much of the curve.
+        // Spans may be of very different lengths, and curves whose weights differ may run through
+        // most of theirs near an end; but no interval may stand for much of the curve.
         let chord = |pair: &[(f64, DVec3)]| pair[0].1.distance(pair[1].1);
-        let length: f64 = coarse.windows(2).map(chord).sum();
-        let most = length / INTERVALS as f64;
-        let finer = coarse.windows(2).flat_map(|pair| {
-            // One part for NaN, as of a curve that is a point.
-            let parts = (chord(pair) / most).ceil().max(1.0).min(INTERVALS as f64) as usize;
-            divided([pair[0].0, pair[1].0], parts)
-        });
-        let points: Vec<(f64, DVec3)> =
-            finer.chain([domain.1]).map(|t| (t, source.point(t))).collect();
+        let length_of = |points: &[(f64, DVec3)]| points.windows(2).map(chord).sum::<f64>();
+        for _ in 0..ROUNDS {
+            let most = length_of(&points) / INTERVALS as f64;
+            let finer = points.windows(2).flat_map(|pair| {
+                // One part for NaN, as of a curve that is a point.
+                let parts = (chord(pair) / most).ceil().max(1.0).min(INTERVALS as f64) as usize;
+                divided([pair[0].0, pair[1].0], parts)
+            });
+            points = finer.chain([domain.1]).map(|t| (t, source.point(t))).collect();
+            if points.windows(2).all(|pair| chord(pair) <= 2.0 * most) {
+                break;
+            }
+        }
 
-        let length: f64 = points.windows(2).map(chord).sum();
+        let length = length_of(&points);
         // Over two intervals a curve bulges four times as far from its chord as over one.
         let bulge = |w: &[(f64, DVec3)]| to_segment(w[1].1, [w[0].1, w[2].1]).0;
         let sag = points.windows(3).map(bulge).fold(0.0, f64::max);

@@ -196,6 +196,20 @@ mod tests {
         }
     }
 
+    /// With such weights a border runs through most of its length near one end.
+    #[test]
+    fn weights_may_be_uneven() {
+        for ratio in [1.0, 1e2, 1e3] {
+            let knots = |degree| KnotVector::bezier(degree).unwrap();
+            let net = [[-1.0, 0.0], [0.0, 8.0], [1.0, 0.0]]
+                .map(|[x, y]| [0.0, 1.0].map(|z| DVec3::new(x, y, z)));
+            let weights = [1.0, ratio, ratio * ratio].map(|weight| [weight; 2]).concat();
+            let bent = NurbsSurface::new(knots(2), knots(1), net.concat(), Some(weights)).unwrap();
+            let fit = fit(&[bent], 8.0);
+            assert_eq!((fit.borders, fit.free), (4, 4), "{ratio}");
+        }
+    }
+
     #[test]
     fn what_is_closed_by_another_border_is_no_gap() {
         let corner = |k: usize| {
