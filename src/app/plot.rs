@@ -68,9 +68,9 @@ pub(crate) fn run(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
     let formats = formats.collect::<Result<Vec<_>, _>>()?;
     output::check(&paths, &[&arguments.input])?;
     let scene = input::read(&arguments.input)?;
-    input::warn_of_what_is_not_shown(&arguments.input, &scene);
 
     let plots = plots(&scene)?;
+    input::warn_of_what_is_not_shown(&arguments.input, &scene);
     let panels = plots.into_iter().map(panel).collect::<Result<Vec<_>, _>>()?;
     let columns = match &scene.figure.columns {
         Some(columns) => columns.value.min(panels.len()),
