@@ -42,7 +42,8 @@ pub struct ExrNotes<'a> {
     pub duration: Duration,
     /// Where it was taken from.
     pub camera: &'a Camera,
-    /// The background behind everything, noted so that it can be removed again.
+    /// The background behind everything, noted so that it can be removed again: black (all zero) for
+    /// pictures of integrators that show none, as all but `direct`.
     pub background: Rgb,
 }
 
@@ -283,16 +284,20 @@ mod tests {
         &found.unwrap_or_else(|| panic!("no channel {}", channel.name())).sample_data
     }
 
+    fn assert_same(film: &Film, image: &Read) {
+        for channel in film.channels() {
+            let FlatSamples::F32(read) = samples_of(image, &channel) else { panic!() };
+            let bits = |plane: &[f32]| plane.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(read), bits(&film.plane(channel).unwrap()), "{channel:?}");
+        }
+    }
+
     #[test]
     fn every_channel_comes_back_bit_for_bit() {
         let film = film(None);
         let image = written(&film, ExrPrecision::Float);
         assert_eq!(image.layer_data.channel_data.list.len(), film.channels().count());
-        for channel in film.channels() {
-            let FlatSamples::F32(read) = samples_of(&image, &channel) else { panic!() };
-            let bits = |plane: &[f32]| plane.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
-            assert_eq!(bits(read), bits(&film.plane(channel).unwrap()), "{channel:?}");
-        }
+        assert_same(&film, &image);
         assert_eq!(image.layer_data.encoding.compression, Compression::ZIP16);
         assert_eq!(image.layer_data.attributes.layer_name, None);
     }
@@ -322,6 +327,7 @@ mod tests {
         let image = written(&film(Some(crop)), ExrPrecision::Float);
         let bounds = image.layer_data.absolute_bounds();
         assert_eq!((bounds.position, bounds.size), (Vec2(5, 3), Vec2(15, 16)));
+        assert_same(&film(Some(crop)), &image);
         let display = image.attributes.display_window;
         assert_eq!((display.position, display.size), (Vec2(0, 0), Vec2(37, 21)));
     }

@@ -190,7 +190,7 @@ impl Piece {
     }
 
     /// The unit normal at a point of the unit square; near collapsed sides its limit from inside
-    /// the piece. `None` where there is none. (At a [apex](Self::is_apex) it is the limit along the
+    /// the piece. `None` where there is none. (At an [apex](Self::is_apex) it is the limit along the
     /// other parameter: not the surface's normal, but a bound of how flat a ray may be.)
     ///
     /// Beside a collapsed side the tangent along it vanishes; there the pole determines the normal

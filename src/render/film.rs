@@ -299,9 +299,20 @@ mod tests {
         let film = Film::new(&settings).unwrap();
         assert_eq!(film.plane(Channel::Z), None);
         assert_eq!(film.plane(Channel::AlbedoR), None);
-        assert!(film.row(Channel::AlbedoR, 0).is_none() && film.row(Channel::Z, 2).is_none());
+        assert!(film.row(Channel::AlbedoR, 0).is_none() && film.row(Channel::Id, 2).is_none());
         assert_eq!(film.plane(Channel::Id), Some(vec![-1.0; 6]));
-        assert_eq!(film.row(Channel::Id, 1).unwrap().collect::<Vec<_>>(), [-1.0; 3]);
+
+        let crop = PixelRect::new([5, 3], [20, 19]).unwrap();
+        let settings = RenderSettings { size: (37, 21), crop: Some(crop), ..settings };
+        let film = Film::made_up(&RenderSettings { aovs: AovSet::all(), ..settings });
+        for channel in film.channels() {
+            let rows = (3..19).flat_map(|y| film.row(channel, y).unwrap());
+            let bits = |x: f32| x.to_bits();
+            let [rows, plane] = [rows.collect(), film.plane(channel).unwrap()]
+                .map(|all: Vec<f32>| all.into_iter().map(bits).collect::<Vec<_>>());
+            assert_eq!(rows, plane, "{channel:?}");
+        }
+        assert!(film.row(Channel::Z, 2).is_none() && film.row(Channel::Z, 19).is_none());
     }
 
     #[test]

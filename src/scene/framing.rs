@@ -2,11 +2,12 @@
 
 use std::f64::consts::PI;
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 
 use super::{Camera, CameraError, CameraSpec, Lens, Light, Place, Projection, View, Written};
 use crate::geometry::trim::{Side, UvBox};
 use crate::geometry::{Chart, Charts, KnotVector, NurbsSurface, Surface};
+use crate::math::Aabb;
 
 /// Where the camera stands if no place is given: a three-quarter view from the front (−y), the
 /// right, and 25° above, so that three sides of a box show at three different widths.
@@ -20,17 +21,19 @@ const MARGIN: f64 = 1.05;
 /// sphere is found to a thousandth of its size, well within [`MARGIN`].
 const MOST_SAMPLES: usize = 48;
 
-/// The approximate number of points sampled in all to see how large each surface is, a few
-/// milliseconds' work. If there are many surfaces, most are small, and so is the part that their few
-/// samples miss.
+/// The approximate number of points sampled in all to see where each surface is, a few milliseconds'
+/// work. If there are many surfaces, most are small, and so is what their few samples miss.
 const ALL_SAMPLES: f64 = 65_536.0;
 
-/// Where weights differ by more than this factor, a surface runs through much of its extent near the
-/// ends of its spans.
+/// The approximate number of further points, on those surfaces that may reach beyond all of these.
+const MORE_SAMPLES: f64 = 1_048_576.0;
+
+/// Where weights differ by more than this factor along a line of control points, a surface runs
+/// through much of its extent near the ends of its spans.
 const EVEN_WEIGHTS: f64 = 16.0;
 
 /// The most points sampled on the way to each end of such spans, each nearer by √2.
-const MOST_NEAR_ENDS: f64 = 64.0;
+const MOST_NEAR_ENDS: usize = 64;
 
 /// A sphere around the middle of the surfaces that holds them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,33 +49,47 @@ impl BoundingSphere {
         let few = (ALL_SAMPLES / surfaces.len() as f64).sqrt() as usize;
         let few = few.clamp(2, MOST_SAMPLES); // fewer would miss the middle of a closed span
         let mut points = Vec::new();
-        let mut sampled = Vec::with_capacity(surfaces.len());
+        let mut boxes = Vec::with_capacity(surfaces.len());
         for surface in surfaces {
             let mut some = all_samples(surface, few);
-            sampled.push((surface, extent(&some)));
+            boxes.push((surface, Aabb::around(some.iter().copied())));
             points.append(&mut some);
         }
-        // What few samples miss of a surface is a share of its size that falls with their square.
-        let whole = extent(&points);
-        for (surface, size) in sampled {
-            let needed = (MOST_SAMPLES as f64 * (size / whole).sqrt()).ceil() as usize;
-            if needed > few {
-                points.append(&mut all_samples(surface, needed));
-            }
+        let sphere = Self::around(&points)?;
+        // What samples miss of a surface is a share of its size that falls with their square.
+        let whole = Aabb::around(points.iter().copied());
+        let candidates = boxes.into_iter().filter_map(|(surface, own)| {
+            let size = own.size().max_element();
+            let share = (size / whole.size().max_element()).sqrt();
+            let needed = (MOST_SAMPLES as f64 * share).ceil() as usize; // 0 for NaN
+            let reach = own.grown(size / (few * few) as f64);
+            let is_inside = reach.min.cmpge(whole.min).all()
+                && reach.max.cmple(whole.max).all()
+                && sphere.holds(&reach);
+            (needed > few && !is_inside).then_some((surface, needed))
+        });
+        let candidates: Vec<(&Surface, usize)> = candidates.collect();
+        let most = (MORE_SAMPLES / candidates.len() as f64).sqrt() as usize;
+        for (surface, needed) in candidates {
+            points.append(&mut all_samples(surface, needed.min(most.max(few))));
         }
+        Self::around(&points)
+    }
+
+    /// The sphere about the middle of the points' bounding box; `None` without points.
+    fn around(points: &[DVec3]) -> Option<Self> {
         let low = points.iter().copied().reduce(DVec3::min)?;
         let high = points.iter().copied().reduce(DVec3::max)?;
         let center = 0.5 * low + 0.5 * high;
         let radius = points.iter().map(|point| point.distance(center)).fold(0.0, f64::max);
         Some(Self { center, radius })
     }
-}
 
-/// The longest side of the points' bounding box.
-fn extent(points: &[DVec3]) -> f64 {
-    let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-    (high - low).max_element()
+    /// Whether a box lies inside the sphere.
+    fn holds(&self, aabb: &Aabb) -> bool {
+        let farthest = (aabb.min - self.center).abs().max((aabb.max - self.center).abs());
+        farthest.length() <= self.radius
+    }
 }
 
 /// Points on a surface: the more charts, the fewer on each.
@@ -106,9 +123,9 @@ fn samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
         Some(trims) => trims.bounds(),
         None => UvBox::new(us.domain().into(), vs.domain().into()),
     };
-    let near_ends = samples_near_ends(surface);
-    let us = parameters(us, across, near_ends, [bounds.min.x, bounds.max.x]);
-    let vs = parameters(vs, across, near_ends, [bounds.min.y, bounds.max.y]);
+    let [uneven_u, uneven_v] = uneven_weights(surface);
+    let us = parameters((us, uneven_u), across, [bounds.min.x, bounds.max.x]);
+    let vs = parameters((vs, uneven_v), across, [bounds.min.y, bounds.max.y]);
     let points = surface.points_at(&us, &vs);
     let Some(trims) = &chart.trims else { return points };
     let grid = us.iter().flat_map(|&u| vs.iter().map(move |&v| DVec2::new(u, v)));
@@ -121,28 +138,41 @@ fn samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
     kept.chain(edges.map(|uv| surface.point_at(uv.x, uv.y))).collect()
 }
 
-/// How many points are sampled near each end of a span, because of the weights.
-fn samples_near_ends(surface: &NurbsSurface) -> usize {
-    let least = surface.weights().fold(f64::INFINITY, f64::min);
-    let ratio = surface.weights().fold(0.0, f64::max) / least;
-    if ratio > EVEN_WEIGHTS { (2.0 * ratio.log2()).min(MOST_NEAR_ENDS) as usize } else { 0 }
+/// The largest ratio of two weights along a line of control points, in each direction.
+fn uneven_weights(surface: &NurbsSurface) -> [f64; 2] {
+    if !surface.is_rational() {
+        return [1.0; 2];
+    }
+    let (net, columns) = (surface.control(), surface.size().1);
+    let ratio = |line: &mut dyn Iterator<Item = &DVec4>| {
+        let (low, high) = line.fold((f64::INFINITY, 0.0f64), |(low, high), point| {
+            (low.min(point.w), high.max(point.w))
+        });
+        high / low
+    };
+    let along_v = net.chunks_exact(columns).map(|row| ratio(&mut row.iter()));
+    let along_u = (0..columns).map(|j| ratio(&mut net.iter().skip(j).step_by(columns)));
+    [along_u.fold(1.0, f64::max), along_v.fold(1.0, f64::max)]
 }
 
-/// The ends of all spans within a range, enough parameters between them to make up `across`, and
-/// this many near each end of each span.
+/// The ends of all spans within a range, and enough parameters between them to make up `across`;
+/// where weights are uneven, up to four times as many in addition, near the ends of spans.
 fn parameters(
-    knots: &KnotVector,
+    (knots, uneven): (&KnotVector, f64),
     across: usize,
-    near_ends: usize,
     [from, to]: [f64; 2],
 ) -> Vec<f64> {
     let spans = knots.spans().map(|span| [span.start.max(from), span.end.min(to)]);
     let spans: Vec<[f64; 2]> = spans.filter(|[start, end]| start < end).collect();
     let each = across.div_ceil(spans.len().max(1)).max(1);
     let mut shares: Vec<f64> = (1..=each).map(|k| k as f64 / each as f64).collect();
-    for k in 1..=near_ends {
-        let share = 0.5f64.powf(0.5 * (k + 1) as f64);
-        shares.extend([share, 1.0 - share]);
+    if uneven > EVEN_WEIGHTS {
+        let halvings = (2.0 * uneven.log2()) as usize;
+        let most = MOST_NEAR_ENDS.min(2 * across / spans.len().max(1));
+        for k in 0..halvings.min(most) {
+            let share = 0.5f64.powf(0.5 * (k + 3) as f64);
+            shares.extend([share, 1.0 - share]);
+        }
     }
     let mut parameters = vec![from];
     for [start, end] in spans {
@@ -234,27 +264,52 @@ pub(super) fn default_lights(camera: &Camera) -> Vec<Light> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DAffine3;
+
     use super::*;
     use crate::geometry::shapes;
 
+    /// `many` small planes, and a narrow arch whose crown, 17.8 high, is at a third of its length.
+    fn planes_and_arch(many: usize) -> (Vec<Surface>, DVec3) {
+        let plane = Surface::from(shapes::plane(1.0, 1.0).unwrap());
+        let net = [[-1.0, 0.0], [0.0, 40.0], [0.0, 0.0], [1.0, 0.0]];
+        let net = net.map(|[x, y]| [0.0, 0.5, 1.0].map(|z| DVec3::new(x, y, z)));
+        let [us, vs] = [3, 2].map(|degree| KnotVector::bezier(degree).unwrap());
+        let arch = NurbsSurface::new(us, vs, net.concat(), None).unwrap();
+        let crown = arch.point_at(1.0 / 3.0, 0.5);
+        let all = std::iter::repeat_n(&plane, many).cloned().chain([Surface::from(arch)]);
+        (all.collect(), crown)
+    }
+
     #[test]
     fn a_large_surface_among_many_small_ones_is_held() {
-        let plane = Surface::from(shapes::plane(1.0, 1.0).unwrap());
-        let knots = || KnotVector::bezier(2).unwrap();
-        // Its middle is at x = 0, y = 10, half as high as its middle control point.
-        let net = [[-20.0, 0.0], [0.0, 20.0], [20.0, 0.0]];
-        let net = net.map(|[x, y]| [0.0, 0.5, 1.0].map(|z| DVec3::new(x, y, z)));
-        let arch = NurbsSurface::new(knots(), knots(), net.concat(), None).unwrap();
-        let arch = Surface::from(arch);
         for many in [0, 10, 1_500, 2_000, 17_000] {
-            let all: Vec<Surface> =
-                std::iter::repeat_n(&plane, many).chain([&arch]).cloned().collect();
+            let (all, crown) = planes_and_arch(many);
             let sphere = BoundingSphere::of(all.iter()).unwrap();
-            for point in [DVec3::new(0.0, 10.0, 0.5), DVec3::new(20.0, 0.0, 1.0)] {
-                let off = point.distance(sphere.center) / sphere.radius;
-                assert!(off < 1.0 + 1e-3, "{many}: {off}");
-            }
+            let off = crown.distance(sphere.center) / sphere.radius;
+            assert!(off < 1.0 + 2e-3, "{many}: {off}");
         }
+        // Few samples alone would not do.
+        let (all, crown) = planes_and_arch(17_000);
+        let few = all.iter().flat_map(|surface| all_samples(surface, 2)).collect::<Vec<_>>();
+        let sphere = BoundingSphere::around(&few).unwrap();
+        assert!(crown.distance(sphere.center) > MARGIN * sphere.radius);
+    }
+
+    #[test]
+    fn no_scene_takes_many_samples() {
+        // All as long as the scene.
+        let plane = |k: usize| {
+            let map = DAffine3::from_translation(DVec3::new(0.0, 0.0, 1e-3 * k as f64));
+            Surface::from(shapes::plane(100.0, 1.0).unwrap().transformed(&map).unwrap())
+        };
+        let all: Vec<Surface> = (0..17_000).map(plane).collect();
+        let sphere = BoundingSphere::of(all.iter()).unwrap();
+        assert!((sphere.radius - DVec3::new(50.0, 0.5, 8.4995).length()).abs() < 1e-9);
+        let knots = KnotVector::clamped_uniform(3, 67).unwrap();
+        assert!(parameters((&knots, 1e30), MOST_SAMPLES, [0.0, 1.0]).len() < 64 * 4);
+        let knots = KnotVector::bezier(3).unwrap();
+        assert!(parameters((&knots, 1e30), 2, [0.0, 1.0]).len() < 12);
     }
 
     #[test]

@@ -4,10 +4,14 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::source::SourceFile;
 
+/// Names are re-exported no more often than this, one after another.
+const MOST_RE_EXPORTS: usize = 10;
+
 /// A path, from the root of the library on.
 type ModulePath = Vec<String>;
 
-/// All modules, and where names that some of them re-export come from.
+/// All modules, and where names that some of them use come from: modules below them may take these
+/// names from them, and others those that they re-export.
 pub(crate) struct Modules<'f> {
     files: BTreeMap<ModulePath, &'f SourceFile>,
     exported: BTreeMap<ModulePath, ModulePath>,
@@ -21,11 +25,9 @@ impl<'f> Modules<'f> {
         let mut exported = BTreeMap::new();
         for (module, file) in &files {
             let code = code_of(file);
-            for (start, _) in code.match_indices("pub") {
-                let Some(tree) = re_export(&code[start + "pub".len()..]) else { continue };
-                for path in paths_of(tree) {
-                    let Some(name) = path.last() else { continue };
-                    let named = [module.as_slice(), std::slice::from_ref(name)].concat();
+            for tree in code.split("use ").skip(1) {
+                for (path, name) in paths_of(tree) {
+                    let named = [module.as_slice(), &[name]].concat();
                     let from = absolute(module, &path)
                         .unwrap_or_else(|| [module.as_slice(), &path].concat());
                     exported.insert(named, from);
@@ -35,9 +37,13 @@ impl<'f> Modules<'f> {
         Self { files, exported }
     }
 
-    /// What modules of a folder use of each other, where that leads in a circle.
-    pub(crate) fn circles(&self, folder: &str) -> Vec<String> {
-        let folder = module_of(folder);
+    /// What modules of a folder use of each other, where that leads in a circle. What a folder's own
+    /// file holds does not count: it may use the modules below it, and they what it holds.
+    ///
+    /// # Panics
+    /// If no module of the folder uses another: it is misspelt, or need not be watched.
+    pub(crate) fn circles(&self, name: &str) -> Vec<String> {
+        let folder = module_of(name);
         let mut uses: BTreeMap<(String, String), String> = BTreeMap::new();
         for (module, file) in &self.files {
             let Some(own) = below(&folder, module) else { continue };
@@ -50,6 +56,7 @@ impl<'f> Modules<'f> {
                 }
             }
         }
+        assert!(!uses.is_empty(), "no module of {name} uses another");
         let edges: BTreeSet<&(String, String)> = uses.keys().collect();
         let closed = uses.iter().filter(|((own, other), _)| reaches(&edges, other, own));
         closed.map(|(_, what)| what.clone()).collect()
@@ -57,14 +64,18 @@ impl<'f> Modules<'f> {
 
     /// The module that an item is defined in.
     fn module_with(&self, path: ModulePath) -> ModulePath {
-        let known = (0..=path.len()).rev().find(|&k| self.files.contains_key(&path[..k]));
-        let known = known.unwrap_or_default();
-        match path.get(..=known).and_then(|name| self.exported.get(name)) {
-            Some(from) if *from != path => {
-                self.module_with([from.as_slice(), &path[known + 1..]].concat())
+        let mut path = path;
+        for _ in 0..MOST_RE_EXPORTS {
+            let known = (0..=path.len()).rev().find(|&k| self.files.contains_key(&path[..k]));
+            let known = known.unwrap_or_default();
+            match path.get(..=known).and_then(|name| self.exported.get(name)) {
+                Some(from) if *from != path => {
+                    path = [from.as_slice(), &path[known + 1..]].concat();
+                }
+                _ => return path[..known].to_vec(),
             }
-            _ => path[..known].to_vec(),
         }
+        path
     }
 }
 
@@ -84,15 +95,6 @@ fn below(folder: &[String], module: &[String]) -> Option<String> {
     module.strip_prefix(folder)?.first().cloned()
 }
 
-/// The tree of a `pub use` or a `pub(…) use`, given what follows `pub`.
-fn re_export(after: &str) -> Option<&str> {
-    let after = match after.strip_prefix('(') {
-        Some(within) => within.split_once(')')?.1,
-        None => after,
-    };
-    after.trim_start().strip_prefix("use ")
-}
-
 /// All paths in some code that begin at the root, at the module itself, or at one above it.
 fn used(module: &[String], code: &str) -> Vec<ModulePath> {
     let mut found = Vec::new();
@@ -101,7 +103,7 @@ fn used(module: &[String], code: &str) -> Vec<ModulePath> {
             let is_word = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
             if !code[..start].chars().next_back().is_some_and(is_word) {
                 let paths = paths_of(&code[start..]).into_iter();
-                found.extend(paths.filter_map(|path| absolute(module, &path)));
+                found.extend(paths.filter_map(|(path, _)| absolute(module, &path)));
             }
         }
     }
@@ -123,15 +125,20 @@ fn absolute(module: &[String], path: &[String]) -> Option<ModulePath> {
     }
 }
 
-/// The paths of a tree, as it follows `use`; or the one path with which some code begins.
-fn paths_of(code: &str) -> Vec<ModulePath> {
+/// The paths of a tree, as it follows `use`, each with the name that it gives; or the one path with
+/// which some code begins.
+fn paths_of(code: &str) -> Vec<(ModulePath, String)> {
     let mut found = Vec::new();
     take_paths(code, Vec::new(), &mut found);
     found
 }
 
 /// Takes the paths of a tree whose branch is `path`; returns what follows the tree.
-fn take_paths<'c>(code: &'c str, mut path: ModulePath, found: &mut Vec<ModulePath>) -> &'c str {
+fn take_paths<'c>(
+    code: &'c str,
+    mut path: ModulePath,
+    found: &mut Vec<(ModulePath, String)>,
+) -> &'c str {
     let mut rest = code.trim_start();
     loop {
         if let Some(branches) = rest.strip_prefix('{') {
@@ -157,9 +164,11 @@ fn take_paths<'c>(code: &'c str, mut path: ModulePath, found: &mut Vec<ModulePat
             None => break,
         }
     }
-    found.push(path);
-    let renamed = rest.trim_start().strip_prefix("as ");
-    renamed.map_or(rest, |new| word(new.trim_start()).1)
+    let new = rest.trim_start().strip_prefix("as ").map(|new| word(new.trim_start()));
+    let last = path.last().cloned().unwrap_or_default();
+    let (name, rest) = new.map_or((last, rest), |(name, rest)| (name.to_owned(), rest));
+    found.push((path, name));
+    rest
 }
 
 /// The word at the start, and what follows.
@@ -183,13 +192,19 @@ fn reaches(uses: &BTreeSet<&(String, String)>, from: &str, to: &str) -> bool {
 
 #[test]
 fn trees_of_paths_are_taken_apart() {
-    let joined =
-        |code: &str| -> Vec<String> { paths_of(code).iter().map(|path| path.join("::")).collect() };
-    assert_eq!(joined("crate::a::B;"), ["crate::a::B"]);
+    let joined = |code: &str| -> Vec<String> {
+        let paths = paths_of(code).into_iter();
+        paths.map(|(path, name)| format!("{} {name}", path.join("::"))).collect()
+    };
+    assert_eq!(joined("crate::a::B;"), ["crate::a::B B"]);
     let tree = "super::{\n    a::{B, c as d},\n    E,\n};\nuse x::y;";
-    assert_eq!(joined(tree), ["super::a::B", "super::a::c", "super::E"]);
-    assert_eq!(joined("crate::a::b::<T>(c)"), ["crate::a::b"]);
-    assert_eq!(joined("crate::a::*; b"), ["crate::a"]);
+    assert_eq!(joined(tree), ["super::a::B B", "super::a::c d", "super::E E"]);
+    assert_eq!(joined("crate::a::b::<T>(c)"), ["crate::a::b b"]);
+    assert_eq!(joined("crate::a::*; b"), ["crate::a a"]);
+    let path = |code: &str| absolute(&["a", "b", "c"].map(str::to_owned), &paths_of(code)[0].0);
+    assert_eq!(path("super::super::d::E").unwrap().join("::"), "a::d::E");
+    assert_eq!(path("self::d").unwrap().join("::"), "a::b::c::d");
+    assert_eq!(path("std::fmt"), None);
 }
 
 #[test]
@@ -213,6 +228,12 @@ fn circles_are_found() {
     ];
     let expected = ["src/a/b.rs uses a::C", "src/a/c/mod.rs uses a::e::E", "src/a/e.rs uses a::b"];
     assert_eq!(circles(&both, "a"), expected);
-    // Within `c` everything is in order.
-    assert!(circles(&both, "a/c").is_empty());
+    // By names that others give, and by what their parent uses.
+    let renamed = [
+        ("a/mod.rs", "mod b; mod c; mod d; use d::E as F; pub use F as G;"),
+        ("a/b.rs", "use crate::a::G;"),
+        ("a/c.rs", "use super::b::f;"),
+        ("a/d.rs", "fn f() { super::c::g() }"),
+    ];
+    assert_eq!(circles(&renamed, "a").len(), 3);
 }

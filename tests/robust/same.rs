@@ -205,6 +205,27 @@ fn ties_go_to_the_surface_given_first() {
     }
 }
 
+/// Rounding decides which of two surfaces in one place is hit; that one is, is certain.
+#[test]
+fn one_of_two_coinciding_surfaces_is_hit_without_doubt() {
+    let both = [shapes::sphere(1.0), shapes::sphere_biquadratic(1.0)].map(Result::unwrap);
+    let bvh = SurfaceBvh::build(&both).unwrap();
+    let (mut tracer, mut hits) = (bvh.tracer(), Vec::new());
+    let mut random = Random::new(5);
+    let mut seen = [0; 2];
+    for _ in 0..500 {
+        let target = 0.9 * random.unit() * random.direction();
+        let origin = 3.0 * random.direction();
+        let ray = Ray::new(origin, target - origin).unwrap();
+        let answer = tracer.first_hit(&ray);
+        assert!(!answer.doubtful, "{ray:?}");
+        seen[answer.hit.unwrap().surface as usize] += 1;
+        assert!(!tracer.all_hits(&ray, &mut hits));
+        assert_eq!(hits.len(), 4, "{ray:?}");
+    }
+    assert!(seen[0] > 10 && seen[1] > 10, "{seen:?}");
+}
+
 /// Also for surfaces in the same place, whose hits are one crossing or two.
 #[test]
 fn all_hits_come_by_increasing_t() {

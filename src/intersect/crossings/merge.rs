@@ -153,9 +153,10 @@ const BENT: f64 = 64.0;
 
 /// Whether the ray of a meeting may touch the surface: such a meeting counts for either side.
 ///
-/// A doubtful meeting that is steep has one side. At a corner of a piece whose tangents there are
-/// parallel, as where a crease of a limit surface runs on smoothly, nothing is proved; but it is
-/// known on which side of the surface around the corner the ray is.
+/// A doubtful meeting that is steep has one side. (At a corner of a piece whose tangents there have
+/// one line, as where a crease of a limit surface runs on smoothly, nothing is proved. Where it is
+/// not known which way the ray goes through the surface there, the meeting's cosine is zero: see
+/// [`Spot::has_one_side`](crate::intersect::roots::spot::Spot::has_one_side).)
 pub(super) fn touches(meeting: &Meeting) -> bool {
     if meeting.is_certain() || has_no_normal(meeting) {
         return false;

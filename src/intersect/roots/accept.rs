@@ -2,13 +2,12 @@
 
 use glam::{DVec2, DVec3};
 
-use super::borders::{
-    TRIM_REACH, TRIM_SPARE, at_border, on_piece, rounding_at, trim_reach, trim_side,
-};
+use super::borders::{TRIM_REACH, TRIM_SPARE, at_border, on_piece, rounding_at, trim_reach};
 use super::grazing::KnownRoot;
 use super::meeting::Meeting;
 use super::question::{PlacedLeaf, Question};
 use super::spot::Spot;
+use super::trim_side::trim_side;
 use crate::geometry::trim::Side;
 use crate::intersect::exact::{AT_POLE, END, Proof, STRETCH, Solution, holds};
 use crate::intersect::{HitFlags, Root};
@@ -86,7 +85,7 @@ impl<'a> Candidate<'a> {
         let OnRay { ref spot, z, .. } = on_ray;
         let error = spot.piece.patch.error_bound(ray.magnitude);
         let (normal, mut cosine) = spot.normal_along(ray);
-        if matches!(proof, Proof::Contact(_)) && !spot.has_one_side(ray, cosine) {
+        if matches!(proof, Proof::Contact(_)) && !spot.has_one_side(ray, cosine, error) {
             cosine = 0.0;
         }
         let mut flags = match proof {

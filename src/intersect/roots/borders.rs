@@ -1,13 +1,10 @@
-//! Borders of surfaces and edges of trims: which roots lie inside them, and which lie on them to
-//! within rounding.
+//! Borders of surfaces: which roots lie inside them, and which lie on them, or near an edge of trims,
+//! to within rounding.
 
 use glam::{DVec2, DVec3};
 
-use super::grazing::KnownRoot;
-use crate::geometry::trim::Side;
-use crate::intersect::exact::holds;
 use crate::math::RayFrame;
-use crate::patch::{BORDER_REACH, Jet, Leaf, Piece, WIDENING};
+use crate::patch::{BORDER_REACH, Jet, Piece};
 
 /// The [error bound](crate::patch::TensorPatch::error_bound) of a piece whose coordinates are no
 /// larger than those of `point`.
@@ -75,27 +72,6 @@ pub(crate) const TRIM_REACH: f64 = 4.0;
 /// Two searches that are about equally exact find one root within twice the error: a root at a trim
 /// edge by one search is within this many times the reach of the edge by the other.
 pub(crate) const TRIM_SPARE: f64 = 2.0;
-
-/// The side of its surface's trims on which a root of a leaf lies.
-pub(crate) fn trim_side(
-    leaf: &Leaf,
-    piece: &Piece,
-    (st, jet): (DVec2, &Jet),
-    known: &KnownRoot<'_>,
-) -> Side {
-    // The border point nearest to the ray may be off the leaf.
-    let kept = || !leaf.is_trimmed() && holds(leaf.widened(piece, WIDENING), st);
-    if piece.trims().is_none() || kept() {
-        return Side::Inside;
-    }
-    let side = piece.side(st, trim_reach(jet, known.along));
-    match side {
-        Side::Edge { .. } if known.is_long() && !leaf.has_pole() => {
-            known.side(piece, st, jet).unwrap_or(side)
-        }
-        _ => side,
-    }
-}
 
 /// How near a trim edge must be, in each parameter, for a root with the error bound `error` in
 /// space to be on it.

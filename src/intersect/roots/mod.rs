@@ -1,10 +1,10 @@
 //! Which roots count as hits.
 //!
-//! A `question` is what a ray asks of the leaves it may meet. Each solution that a search finds on a
-//! leaf is a `spot` on the surface; `accept` makes of it a `meeting`, a doubt, or nothing. `borders`
-//! says which roots lie within the borders of their surface and the edges of its trims. Two cases
-//! are harder: `grazing` judges roots that may be far off along the ray, `kept_pole` those at a pole
-//! that trims have cut into.
+//! A `question` is what a ray asks of the leaves it may meet. Each solution that a search finds on
+//! a leaf is a `spot` on the surface; `accept` makes of it a `meeting`, a doubt, or nothing.
+//! `borders` says which roots lie within the borders of their surface, `trim_side` on which side
+//! of its trims. Two cases are harder: `grazing` judges roots that may be far off along the ray,
+//! `kept_pole` those at a pole that trims have cut into.
 
 pub(super) mod accept;
 pub(super) mod borders;
@@ -12,4 +12,5 @@ mod grazing;
 mod kept_pole;
 pub(super) mod meeting;
 pub(super) mod question;
-mod spot;
+pub(super) mod spot;
+mod trim_side;

@@ -23,17 +23,19 @@ impl<'a> Spot<'a> {
     }
 
     /// Whether the ray goes one way through all of the surface around the place: that with this
-    /// sign of `N · d`.
+    /// sign of `N · d`. The surface is known there to within `error`.
     ///
     /// At a corner where both tangents have one line, as where a crease of a limit surface runs on
     /// smoothly past the only face on one side of it, normals have a limit on each way to the
     /// corner, but not the same on all ways.
-    pub(crate) fn has_one_side(&self, ray: &RayFrame, cosine: f64) -> bool {
+    pub(crate) fn has_one_side(&self, ray: &RayFrame, cosine: f64, error: f64) -> bool {
         let Jet { ds, dt, .. } = self.jet;
         let corner = self.st.round();
         let inward = DVec2::ONE - 2.0 * corner;
         // False for a collapsed side.
-        let is_flat = ds.cross(dt).length() < ONE_LINE * ds.length() * dt.length();
+        let lengths = [ds.length(), dt.length()];
+        let one_line = ONE_LINE.max(MOVED * (error / lengths[0].max(lengths[1])).sqrt());
+        let is_flat = ds.cross(dt).length() < one_line * lengths[0] * lengths[1];
         let is_corner = (self.st - corner).abs().max_element() <= BESIDE_CORNER;
         if !(is_flat && is_corner) {
             return true;
@@ -46,9 +48,12 @@ impl<'a> Spot<'a> {
     }
 }
 
-/// Tangents have one line if the sine of their angle is less than this.
+/// Tangents have one line if the sine of their angle is less than this, or than [`MOVED`] times the
+/// part of the piece by which rounding moves a place at such a corner: the square root of the error
+/// of points over the length of the piece.
 const ONE_LINE: f64 = 1e-5;
+const MOVED: f64 = 16.0;
 
 /// How far from such a corner, in each parameter of the piece, normals are compared: farther than
-/// rounding moves a place there, which is by the square root of the error of points.
+/// rounding moves a place there, unless the piece is very far from the origin.
 const BESIDE_CORNER: f64 = 1.0 / 64.0;

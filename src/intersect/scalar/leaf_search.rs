@@ -193,14 +193,14 @@ fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (Rect, bool) {
         let in_middle = part(middle);
         if in_middle > LEAF_SLACK {
             let farthest = FARTHEST_BEYOND / piece.patch.degree()[k] as f64;
-            // A surface that crosses itself there has no length in the middle, but elsewhere; a ray
-            // that passes beside its middle is on it.
+            // A surface that crosses itself has no length in one place, but is long at both ends of
+            // the side. A ray that passes within rounding of that place meets the surface there.
             let is_short = |across: f64| {
                 let mut place = middle;
                 place[1 - k] = across;
                 part(place) > 4.0 * farthest
             };
-            is_all &= in_middle <= 4.0 * farthest || !sides[1 - k].into_iter().all(is_short);
+            is_all &= in_middle <= 4.0 * farthest || !sides[1 - k].into_iter().any(is_short);
             let [from, to] = sides[k];
             let more = in_middle.min(farthest) * (to - from);
             rect[k][end] = if end == 0 { from - more } else { to + more };
@@ -215,8 +215,8 @@ const BEYOND_SIDES: f64 = 16.0;
 
 /// The search reaches beyond a side by at most this part of the leaf's side, over the degree:
 /// rounding errors of control points grow there by the power of the degree, to 1.6 times at a
-/// corner. Where half of that reach is less than twice the error bound of points, and nothing is
-/// found, it is doubtful whether the leaf is met.
+/// corner. Where half of that reach is less than twice the error bound of points, in the middle of
+/// the side and at one of its ends, and nothing is found, it is doubtful whether the leaf is met.
 const FARTHEST_BEYOND: f64 = 0.125;
 
 /// The distance from which on a ray may meet something that is known only to lie along a stretch of

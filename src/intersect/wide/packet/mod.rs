@@ -11,18 +11,18 @@
 //! sixteen (`doubts`). What is kept between packets, and found, is their `work`.
 
 mod apart;
-pub(super) mod box_crossing;
+mod box_crossing;
 mod doubts;
 mod finish;
 pub(super) mod hits;
 mod leaf;
-pub(super) mod load;
+mod load;
 mod outline;
 pub(super) mod rays;
 pub(super) mod read_ahead;
 mod screening;
 mod shared_bounds;
 mod starts;
-pub(super) mod target;
+mod target;
 pub(super) mod traverse;
 pub(super) mod work;

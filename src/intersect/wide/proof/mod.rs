@@ -7,7 +7,7 @@
 //!    has the parts of leaves that are examined.
 //! 3. A ray that leaves a leaf does not come back to it (`departure`).
 //!
-//! They share `bounds`: how far leaves reach, and rounding errors. The second needs cubics over
+//! They share `bounds`: parts of leaves, and rounding errors. The second needs cubics over
 //! parts of their range, and in Bernstein form (`cubic`). What is not proved is left to the scalar
 //! search.
 

@@ -7,8 +7,8 @@ use super::convergence::STEPS_IN_F32;
 use crate::intersect::wide::view::Fitted;
 use crate::math::RayFrame;
 
-/// How far the search and the proofs may leave the leaf, in box coordinates: as far as the bounds
-/// of the approximation's error hold.
+/// How far the search may leave the leaf, in box coordinates: as far as the bounds of the
+/// approximation's error hold.
 const FIT_DOMAIN: f32 = crate::patch::FIT_DOMAIN as f32;
 
 /// The distances `f₁`, `f₂` of a leaf's approximation from a ray's planes, times its weight (see
