@@ -306,8 +306,8 @@ mod sealed {
 
     /// Shots of either kind.
     ///
-    /// What takes these is not generic: it is compiled once, in this library, and not again in every
-    /// crate that traces rays, as optimised generic functions are.
+    /// What takes these is not generic: it is compiled once, in this library, and not again in
+    /// every crate that traces rays, as optimised generic functions are.
     #[derive(Clone, Copy, Debug)]
     pub enum Shots<'a> {
         Rays(&'a [Ray]),
@@ -350,8 +350,8 @@ pub struct Answer {
 pub struct Occlusion {
     /// Whether some surface is met: for certain, unless the answer is `doubtful`.
     pub occluded: bool,
-    /// Whether floating point could not decide: all that was met is itself in doubt (`occluded`), or
-    /// nothing was met, but something may have been missed.
+    /// Whether floating point could not decide: all that was met is itself in doubt (`occluded`),
+    /// or nothing was met, but something may have been missed.
     pub doubtful: bool,
 }
 

@@ -211,8 +211,8 @@ impl<'a> Tracer<'a> {
         self.merge(axis, hits)
     }
 
-    /// All hits of a ray by the exact solver alone, as [`all_hits`](Self::all_hits) gives them: slow,
-    /// and independent of certificates and kernels.
+    /// All hits of a ray by the exact solver alone, as [`all_hits`](Self::all_hits) gives them:
+    /// slow, and independent of certificates and kernels.
     #[must_use = "`true` says that the hits are in doubt"]
     pub fn exact_all_hits<Q: Shot>(&mut self, shot: &Q, hits: &mut Vec<Hit>) -> bool {
         let axis = self.collect_all(&shot.query(), exactly);

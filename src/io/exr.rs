@@ -42,8 +42,8 @@ pub struct ExrNotes<'a> {
     pub duration: Duration,
     /// Where it was taken from.
     pub camera: &'a Camera,
-    /// The background behind everything, noted so that it can be removed again: black (all zero) for
-    /// pictures of integrators that show none, as all but `direct`.
+    /// The background behind everything, noted so that it can be removed again: black (all zero)
+    /// for pictures of integrators that show none, as all but `direct`.
     pub background: Rgb,
 }
 

@@ -109,9 +109,9 @@ const SLOPE_ROUNDING: f64 = 1e-5;
 /// points of the piece, may each be off by the error bound; and slopes are in f32.
 const ROOM: f64 = 4.0;
 
-/// The margin on each product of the residual with an axis, as a share of the residual, where a miss
-/// is proved: far more than what rounding changes, of a residual that is [`CLEAR`] of the error, of
-/// the point that it is compared with, or of axes in f32.
+/// The margin on each product of the residual with an axis, as a share of the residual, where a
+/// miss is proved: far more than what rounding changes, of a residual that is [`CLEAR`] of the
+/// error, of the point that it is compared with, or of axes in f32.
 pub(crate) const SURELY: f64 = 1e-3;
 
 /// A miss is only proved from residuals more than this many times the error.

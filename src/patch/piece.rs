@@ -47,7 +47,8 @@ pub struct Piece {
     /// Which sides are borders of the surface, and which are collapsed, a bit each.
     border: u8,
     collapsed: u8,
-    /// Which of the collapsed ones are apexes, such as that of a cone (see [`apexes`](super::apexes)).
+    /// Which of the collapsed ones are apexes, such as that of a cone (see
+    /// [`apexes`](super::apexes)).
     apexes: u8,
     /// Whether another piece that differs there begins at the end of this one, in `u` and in `v`,
     /// for example where the surface jumps. The knot itself then belongs to that piece.
@@ -122,8 +123,9 @@ impl Piece {
         trims.window(&UvBox { min, max }, self.uv_rounding())
     }
 
-    /// A rectangle that holds everything that the trims keep of a part of the unit square, both given
-    /// as from and to in `s`, then in `t`; `None` if there are no trims, or if they keep nothing.
+    /// A rectangle that holds everything that the trims keep of a part of the unit square, both
+    /// given as from and to in `s`, then in `t`; `None` if there are no trims, or if they keep
+    /// nothing.
     pub fn kept_part(&self, rect: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
         let kept = self.trims()?.kept_within(&self.uv_box(rect))?.grown(self.uv_rounding());
         let domain = self.domain();
@@ -190,8 +192,8 @@ impl Piece {
     }
 
     /// The unit normal at a point of the unit square; near collapsed sides its limit from inside
-    /// the piece. `None` where there is none. (At an [apex](Self::is_apex) it is the limit along the
-    /// other parameter: not the surface's normal, but a bound of how flat a ray may be.)
+    /// the piece. `None` where there is none. (At an [apex](Self::is_apex) it is the limit along
+    /// the other parameter: not the surface's normal, but a bound of how flat a ray may be.)
     ///
     /// Beside a collapsed side the tangent along it vanishes; there the pole determines the normal
     /// (`pole_normal`). Where it does not, for example where two such sides meet, the tangent is

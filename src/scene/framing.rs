@@ -21,8 +21,9 @@ const MARGIN: f64 = 1.05;
 /// sphere is found to a thousandth of its size, well within [`MARGIN`].
 const MOST_SAMPLES: usize = 48;
 
-/// The approximate number of points sampled in all to see where each surface is, a few milliseconds'
-/// work. If there are many surfaces, most are small, and so is what their few samples miss.
+/// The approximate number of points sampled in all to see where each surface is, a few
+/// milliseconds' work. If there are many surfaces, most are small, and so is what their few samples
+/// miss.
 const ALL_SAMPLES: f64 = 65_536.0;
 
 /// The approximate number of further points, on those surfaces that may reach beyond all of these.

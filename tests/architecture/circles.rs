@@ -37,8 +37,8 @@ impl<'f> Modules<'f> {
         Self { files, exported }
     }
 
-    /// What modules of a folder use of each other, where that leads in a circle. What a folder's own
-    /// file holds does not count: it may use the modules below it, and they what it holds.
+    /// What modules of a folder use of each other, where that leads in a circle. What a folder's
+    /// own file holds does not count: it may use the modules below it, and they what it holds.
     ///
     /// # Panics
     /// If no module of the folder uses another: it is misspelt, or need not be watched.

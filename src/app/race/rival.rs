@@ -49,8 +49,8 @@ pub(crate) struct Rival {
 
 impl Rival {
     /// Tessellates the surfaces of a model to within `tolerance`, a fraction of its diagonal, and
-    /// builds the hierarchy, again and again for about as long as `budget`. Also returns the meshes,
-    /// which no ray needs any more.
+    /// builds the hierarchy, again and again for about as long as `budget`. Also returns the
+    /// meshes, which no ray needs any more.
     ///
     /// # Errors
     /// When the mesh becomes too large.

@@ -114,8 +114,8 @@ impl Crossing {
     }
 }
 
-/// Flags meetings without a normal at whose place something else is met. This comes after views of one crossing are
-/// merged, so that no view can take the flag away again.
+/// Flags meetings without a normal at whose place something else is met. This comes after views of
+/// one crossing are merged, so that no view can take the flag away again.
 fn doubt_without_normal(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) {
     for k in (0..meetings.len()).filter(|&k| has_no_normal(&meetings[k])).collect::<Vec<_>>() {
         let bare = &meetings[k];

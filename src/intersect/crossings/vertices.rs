@@ -86,8 +86,8 @@ struct Fate {
 /// Meetings at the place of one of them.
 struct Group {
     members: Vec<usize>,
-    /// Whether one of them is also at the place of a meeting of another group: which belong together
-    /// is then not known.
+    /// Whether one of them is also at the place of a meeting of another group: which belong
+    /// together is then not known.
     overlaps: bool,
 }
 

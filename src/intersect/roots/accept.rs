@@ -29,8 +29,8 @@ impl Dropped {
     }
 }
 
-/// The meeting of a solution, if it lies on the piece and in the ray's range. `known` is the surface
-/// at the solution and its distance along the ray, if the search has them.
+/// The meeting of a solution, if it lies on the piece and in the ray's range. `known` is the
+/// surface at the solution and its distance along the ray, if the search has them.
 ///
 /// # Errors
 /// Why it is none.

@@ -1,5 +1,5 @@
-//! Borders of surfaces: which roots lie inside them, and which lie on them, or near an edge of trims,
-//! to within rounding.
+//! Borders of surfaces: which roots lie inside them, and which lie on them, or near an edge of
+//! trims, to within rounding.
 
 use glam::{DVec2, DVec3};
 

@@ -184,7 +184,8 @@ fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (Rect, bool) {
         if !side.is_reached_by(&sides) || leaf.collapsed(piece) == Some(side) {
             continue;
         }
-        // What is searched beyond the side, as a part of the leaf's side, across a place of the leaf.
+        // What is searched beyond the side, as a part of the leaf's side, across a place of the
+        // leaf.
         let part = |place: DVec2| {
             let half_side =
                 piece.patch.point(side.beside(place)).distance(piece.patch.point(place));

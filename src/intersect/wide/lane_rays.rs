@@ -1,5 +1,5 @@
-//! Sixty-four rays in lanes, coordinate by coordinate: as they are given, and scaled for the work in
-//! f32.
+//! Sixty-four rays in lanes, coordinate by coordinate: as they are given, and scaled for the work
+//! in f32.
 
 use fearless_simd::{Simd, f32x16};
 use glam::Vec3;

@@ -42,7 +42,7 @@
 //! | rays | `read_ahead`, `outline`, `load`, `rays` | `ray` | `traverse` |
 //! | the tree | `traverse`, `shared_bounds`, `apart` | `traverse` | `traverse` |
 //! | a leaf: box, certificate | `leaf`, `box_crossing` | `traverse` | `traverse` |
-//! | its start in f32 | `leaf`, by `search::distances`; `screening` | by `search::one_ray` | `pairs` |
+//! | its start in f32 | `leaf` by `search::distances`, `screening` | by `search::one_ray` | `pairs` |
 //! | a proof of its own | `doubts`, by `proof::lanes` | by `proof::one_ray` | by either |
 //! | the end in f64 | `target`, `finish` | `jet`, `finish` | `finish` |
 

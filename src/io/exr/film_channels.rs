@@ -1,5 +1,5 @@
-//! A film as the writer of EXR files reads it: block by block, so that no second copy of the picture
-//! is held.
+//! A film as the writer of EXR files reads it: block by block, so that no second copy of the
+//! picture is held.
 
 use exr::block::BlockIndex;
 use exr::image::write::channels::{ChannelsWriter, WritableChannels};

@@ -165,8 +165,8 @@ fn make_all<S: Simd>(simd: S, form: Form, along: &[[ToPowers<'_>; 8]; 2], number
     }
 }
 
-/// [`make_all`] for these degrees, up to three, and this many numbers in a row: all columns, then all
-/// rows.
+/// [`make_all`] for these degrees, up to three, and this many numbers in a row: all columns, then
+/// all rows.
 #[inline(always)]
 fn make_all_of<S: Simd>(
     simd: S,
