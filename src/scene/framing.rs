@@ -27,7 +27,7 @@ const MOST_SAMPLES: usize = 48;
 const ALL_SAMPLES: f64 = 65_536.0;
 
 /// The approximate number of further points, on those surfaces that may reach beyond all of these.
-const MORE_SAMPLES: f64 = 1_048_576.0;
+const MORE_SAMPLES: usize = 1 << 20;
 
 /// Where weights differ by more than this factor along a line of control points, a surface runs
 /// through much of its extent near the ends of its spans.
@@ -69,10 +69,15 @@ impl BoundingSphere {
                 && sphere.holds(&reach);
             (needed > few && !is_inside).then_some((surface, needed))
         });
-        let candidates: Vec<(&Surface, usize)> = candidates.collect();
-        let most = (MORE_SAMPLES / candidates.len() as f64).sqrt() as usize;
-        for (surface, needed) in candidates {
-            points.append(&mut all_samples(surface, needed.min(most.max(few))));
+        // Those that need least come first, and leave to the others what they do not take.
+        let mut candidates: Vec<(&Surface, usize)> = candidates.collect();
+        candidates.sort_by_key(|(_, needed)| *needed);
+        let (mut left, count) = (MORE_SAMPLES, candidates.len());
+        for (k, (surface, needed)) in candidates.into_iter().enumerate() {
+            let share = (left / (count - k)).isqrt();
+            let mut more = all_samples(surface, needed.min(share.max(few)));
+            left = left.saturating_sub(more.len());
+            points.append(&mut more);
         }
         Self::around(&points)
     }
