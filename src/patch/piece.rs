@@ -108,12 +108,18 @@ impl Piece {
     /// parameter; an edge wherever the answer may depend on `reach`, or on the rounding of
     /// [`Self::uv`].
     pub fn side(&self, st: DVec2, reach: DVec2) -> Side {
+        self.side_within(st, reach, 1.0)
+    }
+
+    /// [`side`](Self::side), but of the rounding of parameters and trim curves only this part
+    /// counts.
+    pub(crate) fn side_within(&self, st: DVec2, reach: DVec2, part: f64) -> Side {
         let Some(trims) = self.trims() else { return Side::Inside };
         let lengths = DVec2::from_array(self.domain().map(|[from, to]| to - from));
-        let reach = reach * lengths + self.uv_rounding();
+        let reach = reach * lengths + part * self.uv_rounding();
         // NaN means unknown.
         let reach = DVec2::select(reach.cmpge(DVec2::ZERO), reach, DVec2::INFINITY);
-        trims.contains_within(self.chart_uv(st), reach)
+        trims.seen_within(self.chart_uv(st), reach, part)
     }
 
     /// What the trims look like within a rectangle, in box coordinates: see [`Trims::window`].

@@ -203,6 +203,11 @@ impl Trims {
     /// `θ`, `reach = (r / (|S_u| sin θ), r / (|S_v| sin θ))` covers all parameters that the hit may
     /// have, to first order. Infinite reaches are allowed; NaN and negative values count as zero.
     pub fn contains_within(&self, uv: DVec2, reach: DVec2) -> Side {
+        self.seen_within(uv, reach, 1.0)
+    }
+
+    /// [`Trims::contains_within`], but of the curves' rounding errors only this part counts.
+    pub(crate) fn seen_within(&self, uv: DVec2, reach: DVec2, part: f64) -> Side {
         if uv.is_nan() {
             return Side::Outside;
         }
@@ -210,7 +215,7 @@ impl Trims {
         let mut distance: Option<DVec2> = None;
         let crossings = self.tree.crossings(uv, &UvBox::about(uv, reach), |index| {
             let segment = &self.segments[index];
-            let reach = segment.reach() + reach;
+            let reach = part * segment.reach() + reach;
             let (meets, crossing) = segment.seen_from(uv, reach);
             if meets {
                 distance = Some(distance.map_or(reach, |d| d.max(reach)));

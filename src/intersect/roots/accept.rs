@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::borders::{TRIM_REACH, TRIM_SPARE, at_border, on_piece, rounding_at, trim_reach};
+use super::borders::{TRIM_SPARE, at_border, on_piece, root_reach, rounding_at};
 use super::grazing::KnownRoot;
 use super::meeting::Meeting;
 use super::question::{PlacedLeaf, Question};
@@ -139,9 +139,11 @@ impl<'a> Candidate<'a> {
                     (self.normal, self.cosine) = kept.normal_along(ray);
                     self.on_ray.spot = kept;
                 } else if !inside {
-                    let aimed = AIMED * rounding_at(spot.jet.point, piece, ray);
-                    let aimed = trim_reach(&spot.jet, aimed * (z_error / error)) / TRIM_REACH;
-                    self.cut_off = piece.side(spot.st, aimed) == Side::Outside;
+                    let across = AIMED * rounding_at(spot.jet.point, piece, ray);
+                    let along = across * (z_error / error);
+                    let aimed = root_reach(&spot.jet, ray.axis, across, along);
+                    self.cut_off =
+                        piece.side_within(spot.st, aimed, AIMED_AT_TRIMS) == Side::Outside;
                 }
             }
             // The ray may run on inside the surface to a part that is kept.
@@ -356,3 +358,8 @@ const CLEAR_OF_POLE: f64 = 16.0;
 /// A ray aimed at a point of a border, or of a trim edge, passes the point within this part of the
 /// rounding error bound there: 0.1 is the most that was seen.
 const AIMED: f64 = 0.25;
+
+/// The part that counts, for such a ray, of the error bounds of parameters and trim curves. These
+/// allow for many more roundings than there are; in space they may be more than a border that meets
+/// the edge allows, so that a ray would be said to meet the edge alone, without doubt.
+const AIMED_AT_TRIMS: f64 = 0.0625;

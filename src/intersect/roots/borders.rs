@@ -86,6 +86,24 @@ pub(crate) fn trim_reach(jet: &Jet, error: f64) -> DVec2 {
     TRIM_REACH * error / (lengths * sine)
 }
 
+/// How far a root may be off in each parameter: by `across` in any direction, and by `along` in the
+/// direction of the ray; at a pole, where that says nothing, by `along` in any direction.
+pub(crate) fn root_reach(jet: &Jet, axis: DVec3, across: f64, along: f64) -> DVec2 {
+    let step = step_towards(jet, axis).abs();
+    if !step.is_finite() {
+        return trim_reach(jet, along) / TRIM_REACH;
+    }
+    trim_reach(jet, across) / TRIM_REACH + along * step
+}
+
+/// The step in parameters that moves the point, to first order, by the part of a vector in the
+/// tangent plane.
+pub(super) fn step_towards(jet: &Jet, v: DVec3) -> DVec2 {
+    let (ss, st, tt) = (jet.ds.length_squared(), jet.ds.dot(jet.dt), jet.dt.length_squared());
+    let (s, t) = (jet.ds.dot(v), jet.dt.dot(v));
+    DVec2::new(tt * s - st * t, ss * t - st * s) / (ss * tt - st * st)
+}
+
 /// Whether a point lies within rounding of a side that is a border of the surface.
 pub(crate) fn at_border(piece: &Piece, st: DVec2, jet: &Jet, error: f64) -> bool {
     let distances = piece.side_distances(st, jet);

@@ -7,7 +7,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::borders::{TRIM_REACH, trim_reach};
+use super::borders::{TRIM_REACH, step_towards, trim_reach};
 use crate::geometry::trim::Side;
 use crate::math::RayFrame;
 use crate::patch::{Jet, Piece};
@@ -137,12 +137,4 @@ impl Foot {
         let beyond = outside.iter().position(|&outside| outside);
         Self { st, jet, beyond, off: (step.x * jet.ds + step.y * jet.dt).length() }
     }
-}
-
-/// The step in parameters that moves the point, to first order, by the part of a vector in the
-/// tangent plane.
-fn step_towards(jet: &Jet, v: DVec3) -> DVec2 {
-    let (ss, st, tt) = (jet.ds.length_squared(), jet.ds.dot(jet.dt), jet.dt.length_squared());
-    let (s, t) = (jet.ds.dot(v), jet.dt.dot(v));
-    DVec2::new(tt * s - st * t, ss * t - st * s) / (ss * tt - st * st)
 }
