@@ -47,7 +47,7 @@ rays once. All use the same number of threads, which take 4096 rays at a time.
 
 For several models or numbers of threads, a table at the end has a line each.
 
-The diagonal is that of the hierarchy's bounding box, up to some 1e-3 longer than
+The diagonal is that of the hierarchy's bounding box, up to some 2e-3 longer than
 that of the surfaces' own, which nurbray info gives.
 
 Bytes a Bezier patch: everything that tracing needs, divided by the number of

@@ -245,7 +245,7 @@ pub(crate) trait StartIn: Shot {
     /// See [`StartIn`].
     #[inline(always)]
     fn start_in(&self, set: &PatchSet) -> Option<&Root> {
-        self.start_root().filter(|root| root.set == set.id())
+        OneShot::of(self).start_in(set)
     }
 }
 

@@ -47,39 +47,7 @@ impl BoundingSphere {
     /// The sphere about the middle of the surfaces' bounding box; found by sampling, since
     /// control points can lie far off their surface. `None` without surfaces.
     pub(super) fn of<'a>(surfaces: impl ExactSizeIterator<Item = &'a Surface>) -> Option<Self> {
-        let few = (ALL_SAMPLES / surfaces.len() as f64).sqrt() as usize;
-        let few = few.clamp(2, MOST_SAMPLES); // fewer would miss the middle of a closed span
-        let mut points = Vec::new();
-        let mut boxes = Vec::with_capacity(surfaces.len());
-        for surface in surfaces {
-            let mut some = all_samples(surface, few);
-            boxes.push((surface, Aabb::around(some.iter().copied())));
-            points.append(&mut some);
-        }
-        let sphere = Self::around(&points)?;
-        // What samples miss of a surface is a share of its size that falls with their square.
-        let whole = Aabb::around(points.iter().copied());
-        let candidates = boxes.into_iter().filter_map(|(surface, own)| {
-            let size = own.size().max_element();
-            let share = (size / whole.size().max_element()).sqrt();
-            let needed = (MOST_SAMPLES as f64 * share).ceil() as usize; // 0 for NaN
-            let reach = own.grown(size / (few * few) as f64);
-            let is_inside = reach.min.cmpge(whole.min).all()
-                && reach.max.cmple(whole.max).all()
-                && sphere.holds(&reach);
-            (needed > few && !is_inside).then_some((surface, needed))
-        });
-        // Those that need least come first, and leave to the others what they do not take.
-        let mut candidates: Vec<(&Surface, usize)> = candidates.collect();
-        candidates.sort_by_key(|(_, needed)| *needed);
-        let (mut left, count) = (MORE_SAMPLES, candidates.len());
-        for (k, (surface, needed)) in candidates.into_iter().enumerate() {
-            let share = (left / (count - k)).isqrt();
-            let mut more = all_samples(surface, needed.min(share.max(few)));
-            left = left.saturating_sub(more.len());
-            points.append(&mut more);
-        }
-        Self::around(&points)
+        Self::around(&scene_samples(surfaces))
     }
 
     /// The sphere about the middle of the points' bounding box; `None` without points.
@@ -98,15 +66,52 @@ impl BoundingSphere {
     }
 }
 
+/// Points on all surfaces, more on those that may reach beyond the others' points.
+fn scene_samples<'a>(surfaces: impl ExactSizeIterator<Item = &'a Surface>) -> Vec<DVec3> {
+    let few = (ALL_SAMPLES / surfaces.len() as f64).sqrt() as usize;
+    let few = few.clamp(2, MOST_SAMPLES); // fewer would miss the middle of a closed span
+    let mut points = Vec::new();
+    let mut boxes = Vec::with_capacity(surfaces.len());
+    for surface in surfaces {
+        let mut some = surface_samples(surface, few);
+        boxes.push((surface, Aabb::around(some.iter().copied())));
+        points.append(&mut some);
+    }
+    let Some(sphere) = BoundingSphere::around(&points) else { return points };
+    // What samples miss of a surface is a share of its size that falls with their square.
+    let whole = Aabb::around(points.iter().copied());
+    let candidates = boxes.into_iter().filter_map(|(surface, own)| {
+        let size = own.size().max_element();
+        let share = (size / whole.size().max_element()).sqrt();
+        let needed = (MOST_SAMPLES as f64 * share).ceil() as usize; // 0 for NaN
+        let reach = own.grown(size / (few * few) as f64);
+        let is_inside = reach.min.cmpge(whole.min).all()
+            && reach.max.cmple(whole.max).all()
+            && sphere.holds(&reach);
+        (needed > few && !is_inside).then_some((surface, needed))
+    });
+    // Those that need least come first, and leave to the others what they do not take.
+    let mut candidates: Vec<(&Surface, usize)> = candidates.collect();
+    candidates.sort_by_key(|(_, needed)| *needed);
+    let (mut left, count) = (MORE_SAMPLES, candidates.len());
+    for (k, (surface, needed)) in candidates.into_iter().enumerate() {
+        let share = (left / (count - k)).isqrt();
+        let mut more = surface_samples(surface, needed.min(share.max(few)));
+        left = left.saturating_sub(more.len());
+        points.append(&mut more);
+    }
+    points
+}
+
 /// Points on a surface: the more charts, the fewer on each.
-fn all_samples(surface: &Surface, across: usize) -> Vec<DVec3> {
+fn surface_samples(surface: &Surface, across: usize) -> Vec<DVec3> {
     let charts = surface.charts();
     let across = (across as f64 / (charts.len() as f64).sqrt()).ceil() as usize;
-    let kept = appended(charts.iter().map(|chart| samples(chart, across)));
+    let kept = appended(charts.iter().map(|chart| chart_samples(chart, across)));
     if kept.is_empty() {
         // The part that trims keep may lie between the samples.
         let whole = charts.into_iter().map(|chart| Chart { trims: None, ..chart });
-        return appended(whole.map(|chart| samples(&chart, across)));
+        return appended(whole.map(|chart| chart_samples(&chart, across)));
     }
     kept
 }
@@ -122,7 +127,7 @@ fn appended(lists: impl Iterator<Item = Vec<DVec3>>) -> Vec<DVec3> {
 
 /// Points on a chart: the points of a grid through every knot, as far as the chart's trims keep
 /// them.
-fn samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
+fn chart_samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
     let surface = &chart.surface;
     let (us, vs) = (surface.knots_u(), surface.knots_v());
     let bounds = match &chart.trims {
@@ -297,7 +302,7 @@ mod tests {
         }
         // Few samples alone would not do.
         let (all, crown) = planes_and_arch(17_000);
-        let few = all.iter().flat_map(|surface| all_samples(surface, 2)).collect::<Vec<_>>();
+        let few = all.iter().flat_map(|surface| surface_samples(surface, 2)).collect::<Vec<_>>();
         let sphere = BoundingSphere::around(&few).unwrap();
         assert!(crown.distance(sphere.center) > MARGIN * sphere.radius);
     }
@@ -310,7 +315,9 @@ mod tests {
             Surface::from(shapes::plane(100.0, 1.0).unwrap().transformed(&map).unwrap())
         };
         let all: Vec<Surface> = (0..17_000).map(plane).collect();
-        let sphere = BoundingSphere::of(all.iter()).unwrap();
+        let points = scene_samples(all.iter());
+        assert!(points.len() < 2 * MORE_SAMPLES, "{}", points.len());
+        let sphere = BoundingSphere::around(&points).unwrap();
         assert!((sphere.radius - DVec3::new(50.0, 0.5, 8.4995).length()).abs() < 1e-9);
         let knots = KnotVector::clamped_uniform(3, 67).unwrap();
         assert!(parameters((&knots, 1e30), MOST_SAMPLES, [0.0, 1.0]).len() < 64 * 4);

@@ -33,7 +33,7 @@ pub(crate) struct Model {
     pub(crate) centre: DVec3,
     /// The radius of a sphere about that middle which holds the surfaces.
     pub(crate) radius: f64,
-    /// The diagonal of the hierarchy's box, up to some 1e-3 longer than that of the surfaces' own.
+    /// The diagonal of the hierarchy's box, up to some 2e-3 longer than that of the surfaces' own.
     pub(crate) diagonal: f64,
 }
 
