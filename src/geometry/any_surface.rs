@@ -4,10 +4,13 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec2, DVec3};
 
+use thiserror::Error;
+
+use super::chart::Sealed;
 use super::construct::ControlNet;
 use super::{
-    Chart, Charts, LimitSurface, NurbsSurface, SurfaceDerivatives, SurfaceError, TrianglePatch,
-    TrimmedSurface,
+    Chart, Charts, LimitError, LimitSurface, NurbsSurface, SurfaceDerivatives, SurfaceError,
+    TriangleError, TrianglePatch, TrimmedSurface,
 };
 
 /// A surface of any kind that can be traced.
@@ -22,6 +25,21 @@ pub enum Surface {
     Triangle(TrianglePatch),
     /// The limit surface of a cage: Catmull–Clark's or Doo–Sabin's.
     Limit(Arc<LimitSurface>),
+}
+
+/// Why a surface cannot be moved by an affine map.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum MoveError {
+    /// It is a NURBS surface, whole or trimmed.
+    #[error("{0}")]
+    Nurbs(SurfaceError),
+    /// It is a triangular patch.
+    #[error("{0}")]
+    Triangle(TriangleError),
+    /// It is a limit surface.
+    #[error("{0}")]
+    Limit(LimitError),
 }
 
 impl From<NurbsSurface> for Surface {
@@ -47,6 +65,8 @@ impl From<LimitSurface> for Surface {
         Self::Limit(Arc::new(surface))
     }
 }
+
+impl Sealed for Surface {}
 
 impl Charts for Surface {
     fn charts(&self) -> Vec<Chart<'_>> {
@@ -212,14 +232,20 @@ impl Surface {
     ///
     /// # Errors
     /// When the map is not finite, flattens space, or takes a control point too far.
-    pub fn transformed(&self, map: &DAffine3) -> Result<Self, SurfaceError> {
+    pub fn transformed(&self, map: &DAffine3) -> Result<Self, MoveError> {
         match self {
-            Self::Nurbs(surface) => surface.transformed(map).map(Self::from),
-            Self::Trimmed(trimmed) => trimmed.transformed(map).map(Self::from),
-            Self::Triangle(patch) => {
-                patch.transformed(map).map(Self::from).map_err(SurfaceError::Triangle)
+            Self::Nurbs(surface) => {
+                surface.transformed(map).map(Self::from).map_err(MoveError::Nurbs)
             }
-            Self::Limit(surface) => surface.transformed(map).map(Self::from),
+            Self::Trimmed(trimmed) => {
+                trimmed.transformed(map).map(Self::from).map_err(MoveError::Nurbs)
+            }
+            Self::Triangle(patch) => {
+                patch.transformed(map).map(Self::from).map_err(MoveError::Triangle)
+            }
+            Self::Limit(surface) => {
+                surface.transformed(map).map(Self::from).map_err(MoveError::Limit)
+            }
         }
     }
 }

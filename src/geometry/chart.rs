@@ -90,7 +90,7 @@ impl<'a> Chart<'a> {
 /// assert_eq!(bvh.surface_count(), 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub trait Charts: sealed::Sealed {
+pub trait Charts: Sealed {
     /// The charts, which together are the surface.
     fn charts(&self) -> Vec<Chart<'_>>;
 }
@@ -104,23 +104,16 @@ macro_rules! charts_of_pointers {
             }
         }
 
-        impl<S: sealed::Sealed + ?Sized> sealed::Sealed for $pointer {}
+        impl<S: Sealed + ?Sized> Sealed for $pointer {}
     )*};
 }
 
 charts_of_pointers!(&S, Box<S>, Arc<S>);
 
-mod sealed {
-    use crate::geometry::{LimitSurface, NurbsSurface, Surface, TrianglePatch, TrimmedSurface};
+/// Only the surfaces of this crate.
+pub trait Sealed {}
 
-    /// Only the surfaces of this crate.
-    pub trait Sealed {}
-    impl Sealed for NurbsSurface {}
-    impl Sealed for TrimmedSurface {}
-    impl Sealed for TrianglePatch {}
-    impl Sealed for LimitSurface {}
-    impl Sealed for Surface {}
-}
+impl Sealed for NurbsSurface {}
 
 impl Charts for NurbsSurface {
     fn charts(&self) -> Vec<Chart<'_>> {

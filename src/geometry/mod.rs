@@ -22,81 +22,41 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod affine;
 mod any_surface;
-mod arrange;
-mod basis;
-mod basis_functions;
-mod bezier;
-mod bezier_form;
 mod cage;
 mod chart;
 pub mod construct;
-mod corner_cutting;
-mod curvature;
 mod curve;
-mod curve_arrange;
-mod curve_error;
-mod derivatives;
-mod elevate;
-mod evaluate;
-mod extraction;
-mod extremes;
-mod iso;
-mod knot_error;
 mod knots;
-mod line;
-mod matrix_form;
-mod rational_basis;
-mod refine;
+mod magnitude;
+mod polygon;
 pub mod shapes;
 mod surface;
-mod surface_error;
 mod triangle;
-mod triangle_charts;
-mod triangle_error;
 pub mod trim;
 mod trimmed;
-mod trimmed_edges;
-mod uniform;
 
-pub use any_surface::Surface;
-pub(crate) use arrange::stretch;
-pub use basis::{BasisDerivatives, BasisValues};
-pub use basis_functions::BasisFunctions;
-pub use bezier::{bernstein, de_casteljau, halves};
-pub(crate) use bezier_form::BezierForm;
+pub(crate) use affine::stretch;
+pub use any_surface::{MoveError, Surface};
 pub use cage::{
     BoundaryRule, Cage, CageError, CageParts, Corner, Crease, FaceRect, Feature, LimitError,
     LimitPatch, LimitPoint, LimitSurface,
 };
 pub use chart::{Chart, ChartMap, Charts};
-pub use corner_cutting::{CornerCutting, PolygonEnds};
-pub use curve::{CurveDerivatives, NurbsCurve};
-pub use curve_error::CurveError;
-pub use derivatives::SurfaceDerivatives;
-pub(crate) use extraction::{Extraction, Extractions};
-pub use knot_error::KnotError;
+pub use curve::{
+    CornerCutting, CurveDerivatives, CurveError, MAX_REPEATED, MatrixForm, NurbsCurve, PolygonEnds,
+    RationalBasis, with_repeated_ends,
+};
 pub(crate) use knots::periodic_values;
-pub use knots::{KnotVector, MAX_CONTROL_POINTS, MAX_DEGREE, Span};
-pub use matrix_form::{MatrixForm, matrix_patch};
-pub use rational_basis::RationalBasis;
-pub use surface::{MAX_MAGNITUDE, MIN_MAGNITUDE, NurbsSurface};
-pub use surface_error::{Direction, SurfaceError};
-pub use triangle::{TrianglePatch, TriangleQuarter, TriangleSide};
-pub use triangle_error::TriangleError;
+pub use knots::{
+    BasisDerivatives, BasisFunctions, BasisValues, KnotError, KnotVector, MAX_CONTROL_POINTS,
+    MAX_DEGREE, Span,
+};
+pub use magnitude::{MAX_MAGNITUDE, MIN_MAGNITUDE};
+pub(crate) use polygon::{Extraction, Extractions};
+pub use polygon::{bernstein, de_casteljau, halves};
+pub(crate) use surface::BezierForm;
+pub use surface::{Direction, NurbsSurface, SurfaceDerivatives, SurfaceError, matrix_patch};
+pub use triangle::{TriangleError, TrianglePatch, TriangleQuarter, TriangleSide};
 pub use trimmed::TrimmedSurface;
-pub use uniform::{MAX_REPEATED, with_repeated_ends};
-
-#[cfg(test)]
-mod refine_tests;
-
-#[cfg(test)]
-mod curve_tests;
-#[cfg(test)]
-mod knots_tests;
-#[cfg(test)]
-mod normal_tests;
-#[cfg(test)]
-mod surface_tests;
-#[cfg(test)]
-mod triangle_tests;

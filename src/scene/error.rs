@@ -12,7 +12,7 @@ use super::{
 use crate::geometry::construct::ConstructError;
 use crate::geometry::shapes::ShapeError;
 use crate::geometry::trim::TrimError;
-use crate::geometry::{LimitError, SurfaceError, TriangleError};
+use crate::geometry::{LimitError, MoveError, SurfaceError, TriangleError};
 use crate::intersect::BuildError;
 
 /// Why a scene cannot be shown, and where its author wrote the fault.
@@ -168,7 +168,7 @@ pub enum SceneFault {
         /// The surface's name.
         surface: String,
         /// What is wrong with it there.
-        error: SurfaceError,
+        error: MoveError,
     },
     /// A material that the scene does not describe.
     #[error("object \"{object}\": {error}")]

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::cage_error::{CageError, Feature};
+use super::error::{CageError, Feature};
 use super::mesh::Mesh;
 use super::topology::{EdgeFault, Topology};
 use crate::geometry::MAX_MAGNITUDE;

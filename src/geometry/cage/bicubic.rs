@@ -4,9 +4,9 @@
 use glam::DVec3;
 
 use super::mesh::Mesh;
+use super::net::Net;
 use super::ring::Ring;
 use super::topology::{NONE, Star};
-use super::tree::Net;
 
 /// How a vertex is regular, as seen from one of the quads around it. If it is, the quad's part of
 /// the surface is that of a uniform B-spline, mirrored at sharp edges.

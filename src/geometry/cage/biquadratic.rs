@@ -3,12 +3,14 @@
 use glam::DVec3;
 
 use super::Cage;
-use super::cage_error::LimitError;
 use super::doo_sabin::refined;
+use super::error::LimitError;
 use super::limit_surface::{FaceRect, LimitSurface};
 use super::mesh::Mesh;
+use super::net::Net;
+use super::seams::within;
 use super::topology::NONE;
-use super::tree::{Cut, MAX_LEVELS, Net, Tree, within};
+use super::tree::{Cut, MAX_LEVELS, Tree};
 use crate::math::Aabb;
 
 /// A vertex of the current mesh with four faces around it. The patch over it extends to the middles

@@ -10,8 +10,8 @@
 use glam::DVec3;
 
 use super::mesh::Mesh;
+use super::net::Net;
 use super::topology::NONE;
-use super::tree::Net;
 use super::vertex_rule::decayed;
 
 /// A quad beside straight creases, or a strip of it.

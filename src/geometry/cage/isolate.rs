@@ -2,13 +2,14 @@
 
 use super::Cage;
 use super::bicubic::{is_regular, net};
-use super::cage_error::LimitError;
 use super::catmull_clark::refined;
 use super::creased::CreasedQuad;
+use super::error::LimitError;
 use super::limit_surface::{FaceRect, LimitSurface};
 use super::mesh::Mesh;
+use super::seams::within;
 use super::topology::{NONE, Topology};
-use super::tree::{Cut, MAX_LEVELS, Tree, within};
+use super::tree::{Cut, MAX_LEVELS, Tree};
 use crate::math::Aabb;
 
 impl Cage {

@@ -5,9 +5,12 @@ use std::borrow::Cow;
 use glam::{DVec2, DVec3, DVec4};
 
 use super::limit_surface::{FaceRect, LimitPatch, LimitSurface, place_order};
+use crate::geometry::chart::Sealed;
 use crate::geometry::{
     Chart, ChartMap, Charts, KnotVector, NurbsSurface, SurfaceDerivatives, bernstein,
 };
+
+impl Sealed for LimitSurface {}
 
 impl Charts for LimitSurface {
     /// The patches, each over its rectangle, shifted along u by the index of its unit square. Where

@@ -2,10 +2,11 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::CageError;
-use crate::geometry::arrange::{check_invertible, stretch};
+use super::{CageError, LimitError};
+use crate::geometry::affine::stretch;
 use crate::geometry::construct::ControlNet;
-use crate::geometry::surface::{Extent, extent};
+use crate::geometry::magnitude::{Extent, extent};
+use crate::geometry::surface::check_invertible;
 use crate::geometry::{KnotVector, MAX_MAGNITUDE, NurbsSurface, SurfaceError};
 
 /// The limit surface of a cage as polynomial Bézier patches, bicubic for Catmull–Clark, biquadratic
@@ -240,8 +241,9 @@ impl LimitSurface {
     /// # Errors
     /// When the map is not finite or flattens space, or moves a vertex of the cage or a patch too
     /// far out, or all of them to one point.
-    pub fn transformed(&self, map: &DAffine3) -> Result<Self, SurfaceError> {
-        check_invertible(map)?;
+    pub fn transformed(&self, map: &DAffine3) -> Result<Self, LimitError> {
+        let of_surface = |error| LimitError::Surface(Box::new(error));
+        check_invertible(map).map_err(of_surface)?;
         let moved = |points: &[DVec3]| -> Vec<DVec3> {
             points.iter().map(|&point| map.transform_point3(point)).collect()
         };
@@ -250,18 +252,19 @@ impl LimitSurface {
         let usable = |p: &DVec3| p.abs().cmple(DVec3::splat(MAX_MAGNITUDE)).all(); // NaN is not
         if let Some(vertex) = net.points.iter().position(|point| !usable(point)) {
             let position = net.points[vertex];
-            return Err(SurfaceError::Cage(CageError::Position { vertex, position }));
+            return Err(LimitError::Cage(CageError::Position { vertex, position }));
         }
         if let Some(k) = control.iter().position(|point| !usable(point)) {
             let (place, n) = (k % ((self.degree + 1) * (self.degree + 1)), self.degree + 1);
-            return Err(SurfaceError::Point { i: place / n, j: place % n, point: control[k] });
+            let (i, j) = (place / n, place % n);
+            return Err(of_surface(SurfaceError::Point { i, j, point: control[k] }));
         }
         let stretch = stretch(map);
         let mut patches = self.patches.clone();
         patches.iter_mut().for_each(|patch| patch.deviation *= stretch);
         let tolerance = self.tolerance * stretch;
         let moved = Self { tolerance, patches, control, net, ..*self };
-        moved.extent().checked()?;
+        moved.extent().checked().map_err(of_surface)?;
         Ok(moved)
     }
 

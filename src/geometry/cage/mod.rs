@@ -29,16 +29,17 @@
 mod authored;
 mod bicubic;
 mod biquadratic;
-mod cage_error;
 mod catmull_clark;
 mod creased;
 mod doo_sabin;
+mod error;
 mod isolate;
 mod limit_charts;
 mod limit_curves;
 mod limit_surface;
 mod limits;
 mod mesh;
+mod net;
 mod ring;
 mod seams;
 mod topology;
@@ -46,7 +47,7 @@ mod tree;
 mod vertex_rule;
 
 pub use authored::{BoundaryRule, Cage, CageParts, Corner, Crease};
-pub use cage_error::{CageError, Feature, LimitError};
+pub use error::{CageError, Feature, LimitError};
 pub use limit_surface::{FaceRect, LimitPatch, LimitSurface};
 pub use limits::LimitPoint;
 

@@ -4,10 +4,36 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec3;
 
+use super::error::LimitError;
 use super::limit_surface::{LimitPatch, LimitSurface};
 use super::mesh::Mesh;
+use super::net::halve;
 use super::topology::Topology;
-use super::tree::halve;
+use super::tree::MAX_LEVELS;
+
+/// The shares of the tolerance that patches may initially be from the surface. Moving patches to
+/// meet their neighbours takes them farther from it, up to half of the tolerance. The first share
+/// is nearly always enough; each further one starts again from the beginning.
+const SHARES: [f64; 5] = [0.25, 0.1, 0.04, 0.016, 0.0064];
+
+/// A limit surface without gaps, from patches within a share of the tolerance.
+pub(super) fn within(
+    tolerance: f64,
+    cage: &Mesh,
+    patches: impl Fn(f64) -> Result<LimitSurface, LimitError>,
+) -> Result<LimitSurface, LimitError> {
+    for share in SHARES {
+        let mut surface = patches(share)?;
+        close(&mut surface, cage);
+        if surface.deviation() <= 0.5 * tolerance {
+            return match surface.extent().checked() {
+                Ok(_) => Ok(surface),
+                Err(error) => Err(LimitError::Surface(Box::new(error))),
+            };
+        }
+    }
+    Err(LimitError::TooDeep { tolerance, levels: MAX_LEVELS })
+}
 
 /// A line on the cage along which patches lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -3,16 +3,13 @@
 use glam::DVec3;
 
 use super::Cage;
-use super::cage_error::LimitError;
 use super::creased::CreasedQuad;
+use super::error::LimitError;
 use super::limit_surface::{FaceRect, LimitPatch, LimitSurface};
 use super::mesh::Mesh;
-use super::seams;
+use super::net::{Net, part};
 use super::topology::Topology;
 use crate::math::Aabb;
-
-/// The control points of a patch, v fastest; `(degree + 1)²` of them are in use.
-pub(super) type Net = [DVec3; 16];
 
 /// How well a rectangle is known.
 #[derive(Clone, Copy, Debug)]
@@ -245,57 +242,4 @@ const SMALLEST_SIDE: f64 = 1.0 / (1_u64 << 44) as f64;
 fn unit_count(topology: &Topology) -> usize {
     let sides = (0..topology.face_count()).map(|face| topology.face_range(face).len());
     sides.map(|sides| if sides == 4 { 1 } else { sides }).sum()
-}
-
-/// The shares of the tolerance that patches may initially be from the surface. Moving patches to
-/// meet their neighbours takes them farther from it, up to half of the tolerance. The first share
-/// is nearly always enough; each further one starts again from the beginning.
-const SHARES: [f64; 5] = [0.25, 0.1, 0.04, 0.016, 0.0064];
-
-/// A limit surface without gaps, from patches within a share of the tolerance.
-pub(super) fn within(
-    tolerance: f64,
-    cage: &Mesh,
-    patches: impl Fn(f64) -> Result<LimitSurface, LimitError>,
-) -> Result<LimitSurface, LimitError> {
-    for share in SHARES {
-        let mut surface = patches(share)?;
-        seams::close(&mut surface, cage);
-        if surface.deviation() <= 0.5 * tolerance {
-            return match surface.extent().checked() {
-                Ok(_) => Ok(surface),
-                Err(error) => Err(LimitError::Surface(Box::new(error))),
-            };
-        }
-    }
-    Err(LimitError::TooDeep { tolerance, levels: MAX_LEVELS })
-}
-
-/// The control points of a part of a patch with n × n points, the upper, the lower half or the
-/// whole in u and in v: de Casteljau at the middle.
-fn part(net: &Net, n: usize, halves: [Option<bool>; 2]) -> Net {
-    let mut result = *net;
-    for (half, [next, stride]) in halves.into_iter().zip([[1, n], [n, 1]]) {
-        let Some(upper) = half else { continue };
-        for line in 0..n {
-            halve(&mut result, n, (line * next, stride), upper);
-        }
-    }
-    result
-}
-
-/// Keeps one half of a curve of n points at the indices `start`, `start + stride` and so on.
-pub(super) fn halve(net: &mut [DVec3], n: usize, (start, stride): (usize, usize), upper: bool) {
-    let at = |index: usize| start + index * stride;
-    for round in 1..n {
-        if upper {
-            for j in 0..n - round {
-                net[at(j)] = 0.5 * (net[at(j)] + net[at(j + 1)]);
-            }
-        } else {
-            for j in (round..n).rev() {
-                net[at(j)] = 0.5 * (net[at(j - 1)] + net[at(j)]);
-            }
-        }
-    }
 }

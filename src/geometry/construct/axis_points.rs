@@ -6,11 +6,10 @@
 
 use glam::{DVec3, DVec4};
 
+use super::Axis;
 use super::ConstructError;
-use super::path::pieces;
-use super::revolve::{Axis, across};
 use crate::geometry::NurbsCurve;
-use crate::geometry::extremes::{add_extremes, add_sign_changes};
+use crate::geometry::curve::{add_extremes, add_sign_changes};
 use crate::math::rounding::UNIT_ROUNDOFF;
 use crate::math::unit;
 
@@ -40,7 +39,7 @@ pub(super) fn cut_at_axis(profile: &NurbsCurve, axis: &Axis) -> Result<NurbsCurv
         let whole = cut.insert_knot(t, missing).map_err(of_profile())?;
         let index = whole.knots().span(t) - degree;
         let (point, weight) = (whole.point(index), whole.weight(index));
-        let away = across(point, axis);
+        let away = axis.across(point);
         if away.length() <= tolerance.at(t) {
             let mut control: Vec<DVec4> = whole.control().to_vec();
             control[index] = (weight * axis.nearest(point)).extend(weight);
@@ -80,10 +79,10 @@ impl<'a> Tolerance<'a> {
 fn meetings(profile: &NurbsCurve, axis: &Axis, tolerance: &Tolerance<'_>) -> Vec<f64> {
     let knots: Vec<f64> = profile.knots().spans().skip(1).map(|span| span.start).collect();
     let mut found = knots.clone();
-    for piece in pieces(profile) {
+    for piece in profile.bezier_pieces() {
         found.extend(candidates(&piece, axis));
     }
-    let distance = |t: f64| across(profile.point_at(t), axis).length();
+    let distance = |t: f64| axis.across(profile.point_at(t)).length();
     let on_axis = |t: f64| distance(t) <= tolerance.at(t); // false for NaN
     found.retain(|&t| on_axis(t));
     found.sort_by(f64::total_cmp);
@@ -115,7 +114,7 @@ fn meetings(profile: &NurbsCurve, axis: &Axis, tolerance: &Tolerance<'_>) -> Vec
 /// accurately that the coordinate itself vanishes up to rounding.
 fn candidates(piece: &NurbsCurve, axis: &Axis) -> Vec<f64> {
     let count = piece.control().len();
-    let away = |index: usize| across(piece.point(index), axis);
+    let away = |index: usize| axis.across(piece.point(index));
     let farthest = (0..count)
         .map(away)
         .fold(DVec3::ZERO, |a, b| if b.length_squared() > a.length_squared() { b } else { a });

@@ -2,7 +2,7 @@
 
 use super::ConstructError;
 use super::error::net_size;
-use crate::geometry::line::{merged, refine};
+use crate::geometry::polygon::{merged, refine};
 use crate::geometry::{CurveError, KnotError, KnotVector, NurbsCurve};
 
 /// Knots of two curves that differ by no more than this fraction of their common domain are the

@@ -1,13 +1,11 @@
 //! Coons patches: a surface through four border curves.
 
-use std::fmt;
-
 use glam::{DVec4, Vec4Swizzles};
 
-use super::ConstructError;
 use super::compatible::compatible;
 use super::error::net_size;
 use super::fold::check_fold;
+use super::{ConstructError, CoonsCorner};
 use crate::geometry::{Direction, KnotVector, NurbsCurve, NurbsSurface};
 
 /// The four borders of a Coons patch. Each is named by the parameter that is fixed there, and
@@ -22,20 +20,6 @@ pub struct Borders {
     pub v0: NurbsCurve,
     /// Where `v` ends; runs along `u`.
     pub v1: NurbsCurve,
-}
-
-/// A corner of a Coons patch: which ends of `u` and `v`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CoonsCorner {
-    u: u8,
-    v: u8,
-}
-
-impl fmt::Display for CoonsCorner {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { u, v } = self;
-        write!(f, "the corner of borders u{u} and v{v}")
-    }
 }
 
 const CORNERS: [CoonsCorner; 4] = [
@@ -210,7 +194,8 @@ pub(crate) fn greville(knots: &KnotVector) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::shapes::{circle_arc, unit_knots};
+    use crate::geometry::knots::unit_knots;
+    use crate::geometry::shapes::circle_arc;
     use glam::{DAffine3, DVec3};
 
     fn bezier(points: &[[f64; 3]]) -> NurbsCurve {

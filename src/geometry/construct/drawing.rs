@@ -10,8 +10,10 @@ use glam::DVec3;
 
 use super::collinear::united;
 use super::places::{Places, SAME};
-use super::tube::{Caps, Parts, TubeStyle, ball, cap, cylinder, parts, round_part};
-use super::{Component, ComponentKind, ConstructError, ControlNet, NetStyle, Tightest};
+use super::tube_parts::{Parts, ball, cap, cylinder, parts, round_part};
+use super::{
+    Caps, Component, ComponentKind, ConstructError, ControlNet, NetStyle, Tightest, TubeStyle,
+};
 use crate::geometry::{MAX_MAGNITUDE, NurbsCurve};
 
 /// Tubes, lines and balls that are drawn together.
@@ -290,4 +292,16 @@ fn coincide(a: &NurbsCurve, b: &NurbsCurve, tolerance: f64) -> bool {
             p.distance(q) <= tolerance // false for NaN
         })
     })
+}
+
+/// A control net as surfaces: a cylinder for each line, a ball for each point. Points that
+/// coincide, as at poles and seams, are drawn once, and so are lines, also where they overlap.
+///
+/// # Errors
+/// When a radius is not a positive length, there are too many points, one is not finite, or a line
+/// ends at none of them.
+pub fn control_net(net: &ControlNet, style: &NetStyle) -> Result<Vec<Component>, ConstructError> {
+    let mut drawing = Drawing::among(net.points.iter().copied(), style.lines());
+    drawing.net(net, style.joints)?;
+    drawing.pieces()
 }

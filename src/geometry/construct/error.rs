@@ -5,7 +5,6 @@ use std::fmt;
 use glam::DVec3;
 use thiserror::Error;
 
-use super::CoonsCorner;
 use crate::geometry::{CurveError, MAX_DEGREE, MAX_MAGNITUDE, SurfaceError, TriangleSide};
 use crate::math::{AtLeast, Counted, Measured, MeasuredPoint, Shown, ShownVector};
 
@@ -481,6 +480,20 @@ pub enum ConstructError {
         /// The distance between the two.
         distance: f64,
     },
+}
+
+/// A corner of a Coons patch: which ends of `u` and `v`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CoonsCorner {
+    pub(super) u: u8,
+    pub(super) v: u8,
+}
+
+impl fmt::Display for CoonsCorner {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { u, v } = self;
+        write!(f, "the corner of borders u{u} and v{v}")
+    }
 }
 
 /// What a vector is the direction of.

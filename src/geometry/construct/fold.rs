@@ -1,54 +1,13 @@
-//! Curves that run back over themselves, and profiles that do so once they are turned.
-//!
-//! A curve *folds* where it turns round (by 180°) and runs back over a stretch that it has just run
-//! through, like a polyline that returns along one of its own sides, or a Bézier curve whose
-//! control points lie on a line out of order. A surface made from it would cover itself twice. The
-//! following are not folds: corners, however sharp; cusps whose two sides part from each other;
-//! curves that touch or cross themselves; curves that run through a stretch again after they have
-//! been elsewhere.
+//! Which curves fold, and which do so once they are turned or moved.
 
 use glam::{DVec3, DVec4, Vec4Swizzles};
 
-use super::ConstructError;
-use super::path::{SAME_DIRECTION, is_closed, pieces};
-use super::revolve::{Axis, across};
+use super::path::SAME_DIRECTION;
+use super::{Axis, ConstructError};
 use crate::geometry::NurbsCurve;
-use crate::geometry::extremes::add_extremes;
+use crate::geometry::curve::{Course, Fold};
 use crate::math::bernstein::binomial;
 use crate::math::unit;
-
-/// Stretches no longer than this count as rounding: relative to the curve's extent, because several
-/// coordinates may turn round at one place that each locates slightly differently (a triple root is
-/// known to a third of the digits); and relative to its largest coordinate, because control points
-/// are themselves rounded.
-const ROUNDING: (f64, f64) = (16384.0 * f64::EPSILON, 16.0 * f64::EPSILON);
-
-/// Points no farther apart than this many such lengths are the same: the two stretches may each
-/// have lost one or two such lengths at their beginning.
-const SAME_POINT: f64 = 4.0;
-
-/// A stretch that is run through again is longer than this many such lengths: narrower features
-/// cannot be told from a fold.
-const LONGER: f64 = 64.0;
-
-/// The number of places at which a stretch and the way back are compared. Two different curves of
-/// degree p meet at no more than p² of them; corners and cusps part at the first one.
-const PLACES: usize = 32;
-
-/// The halvings of `[0, 1]` after which no number is left between the two ends.
-const HALVINGS: usize = 60;
-
-/// Where a curve folds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Fold {
-    /// The parameter where the curve turns round.
-    pub(crate) t: f64,
-    /// The two parameters, before and after `t`, of a place that the curve passes twice: halfway
-    /// along.
-    pub(crate) twice: [f64; 2],
-    /// The parameter until which the curve runs back.
-    pub(crate) until: f64,
-}
 
 /// Fails if a curve runs back over itself.
 pub(crate) fn check_fold(curve: &NurbsCurve, which: &str) -> Result<(), ConstructError> {
@@ -83,19 +42,19 @@ pub(crate) fn check_turned(
     degrees: f64,
 ) -> Result<(), ConstructError> {
     check_fold(profile, "profile")?;
-    let turned = Course::turned(profile, axis);
-    if turned.is_point() {
-        let distance = across(profile.point_at(profile.domain().0), axis).length();
+    let course = turned(profile, axis);
+    if course.is_point() {
+        let distance = axis.across(profile.point_at(profile.domain().0)).length();
         return Err(ConstructError::OneCircle { distance });
     }
-    let Some(Fold { t, twice, .. }) = turned.fold() else { return Ok(()) };
+    let Some(Fold { t, twice, .. }) = course.fold() else { return Ok(()) };
     let point = profile.point_at(t);
     // Off the axis the two parts begin at angle 0.
-    let reach = (0..profile.control().len()).map(|i| across(profile.point(i), axis).length());
-    if across(point, axis).length() > ON_AXIS * reach.fold(0.0, f64::max) {
+    let reach = (0..profile.control().len()).map(|i| axis.across(profile.point(i)).length());
+    if axis.across(point).length() > ON_AXIS * reach.fold(0.0, f64::max) {
         return Err(ConstructError::TurnsRound { t, point, twice });
     }
-    let [before, after] = twice.map(|t| across(profile.point_at(t), axis));
+    let [before, after] = twice.map(|t| axis.across(profile.point_at(t)));
     let between = before.cross(after).length().atan2(before.dot(after));
     if degrees.abs().to_radians() <= between + SAME_DIRECTION {
         return Ok(());
@@ -117,7 +76,7 @@ pub(crate) fn check_moved(
     which: &str,
 ) -> Result<(), ConstructError> {
     let which = which.to_owned();
-    let seen = Course::seen_along(profile, by);
+    let seen = seen_along(profile, by);
     if seen.is_point() {
         return Err(ConstructError::MovedAlongItself { which, by });
     }
@@ -125,227 +84,32 @@ pub(crate) fn check_moved(
     Err(ConstructError::FoldsFlat { which, by, t, point: profile.point_at(t), twice })
 }
 
-/// A path to search for folds: a chain of rational Bézier pieces.
-pub(crate) struct Course {
-    pieces: Vec<CoursePiece>,
-    closed: bool,
-    /// The size of the box around its control points, and their largest coordinate.
-    extent: f64,
-    magnitude: f64,
-    /// The length up to which stretches count as rounding.
-    slack: f64,
+/// The projection of a curve along a vector onto a plane perpendicular to it.
+fn seen_along(curve: &NurbsCurve, vector: DVec3) -> Course {
+    let along = unit(vector).unwrap_or_default();
+    let across = |c: &DVec4| (c.xyz() - c.xyz().dot(along) * along).extend(c.w);
+    Course::mapped(curve, |piece| piece.control().iter().map(across).collect())
 }
 
-/// A piece of a course, of any degree.
-struct CoursePiece {
-    domain: (f64, f64),
-    control: Vec<DVec4>,
-}
-
-impl CoursePiece {
-    /// The point at a share of the piece, by de Casteljau's algorithm.
-    fn at(&self, share: f64) -> DVec3 {
-        let mut d = self.control.clone();
-        for last in (1..d.len()).rev() {
-            for j in 0..last {
-                d[j] = (1.0 - share) * d[j] + share * d[j + 1];
-            }
-        }
-        d[0].xyz() / d[0].w
-    }
-
-    fn parameter(&self, share: f64) -> f64 {
-        let (start, end) = self.domain;
-        if share == 1.0 { end } else { start + share * (end - start) }
-    }
-
-    /// The shares at which a coordinate may turn around, with 0 and 1.
-    fn cuts(&self) -> Vec<f64> {
-        let mut cuts = vec![0.0, 1.0];
-        if self.control.len() > 2 {
-            let weights: Vec<f64> = self.control.iter().map(|point| point.w).collect();
-            let middle = self.at(0.5);
-            for axis in 0..3 {
-                let coordinate: Vec<f64> = self.control.iter().map(|point| point[axis]).collect();
-                add_extremes(&coordinate, &weights, middle[axis], &mut cuts);
-            }
-        }
-        cuts.sort_by(f64::total_cmp);
-        cuts.dedup();
-        cuts
-    }
-}
-
-/// A part of a course along which no coordinate turns around.
-#[derive(Clone, Copy)]
-struct Stretch<'a> {
-    piece: &'a CoursePiece,
-    shares: [f64; 2],
-    ends: [DVec3; 2],
-}
-
-impl Stretch<'_> {
-    /// The same stretch in the other direction.
-    fn back(self) -> Self {
-        let ([a, b], [p, q]) = (self.shares, self.ends);
-        Self { shares: [b, a], ends: [q, p], ..self }
-    }
-
-    fn run(&self) -> DVec3 {
-        self.ends[1] - self.ends[0]
-    }
-
-    /// The share and the point at a distance from the beginning; the distance is the sum of the
-    /// coordinate differences, which grows all along the stretch.
-    fn at_distance(&self, distance: f64) -> (f64, DVec3) {
-        let [mut near, mut far] = self.shares;
-        if distance >= length(self.run()) {
-            return (far, self.ends[1]);
-        }
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (near + far);
-            if length(self.piece.at(middle) - self.ends[0]) < distance {
-                near = middle;
-            } else {
-                far = middle;
-            }
-        }
-        (far, self.piece.at(far))
-    }
-}
-
-fn length(vector: DVec3) -> f64 {
-    vector.abs().element_sum()
-}
-
-impl Course {
-    pub(super) fn in_space(curve: &NurbsCurve) -> Self {
-        let piece = |piece: NurbsCurve| CoursePiece {
-            domain: piece.domain(),
-            control: piece.control().to_vec(),
+/// The profile as `(r² / R, z, 0)`, where `R` is its largest distance from the axis.
+fn turned(profile: &NurbsCurve, axis: &Axis) -> Course {
+    let points = || (0..profile.control().len()).map(|i| profile.point(i));
+    let reach = points().map(|point| axis.across(point).length()).fold(0.0, f64::max);
+    Course::mapped(profile, |piece| {
+        let p = piece.knots().degree();
+        let mut control = vec![DVec4::ZERO; 2 * p + 1];
+        let point = |i: usize| {
+            let point = piece.point(i);
+            (axis.across(point), axis.height(point), piece.weight(i))
         };
-        let pieces = pieces(curve).into_iter().map(piece).collect();
-        Self::new(pieces, is_closed(curve), curve.magnitude())
-    }
-
-    /// A closed chain of Bézier pieces, given by their homogeneous control points; piece `k` spans
-    /// the parameters from `k` to `k + 1`.
-    pub(crate) fn closed(pieces: impl Iterator<Item = Vec<DVec4>>) -> Self {
-        let piece = |(k, control)| CoursePiece { domain: (k as f64, (k + 1) as f64), control };
-        let pieces: Vec<_> = pieces.enumerate().map(piece).collect();
-        let points = pieces.iter().flat_map(|piece| &piece.control).map(|c| c.xyz() / c.w);
-        let magnitude = points.map(|point| point.abs().max_element()).fold(0.0, f64::max);
-        Self::new(pieces, true, magnitude)
-    }
-
-    /// The point at a parameter.
-    pub(crate) fn point_at(&self, t: f64) -> DVec3 {
-        let last = self.pieces.len() - 1;
-        let piece =
-            &self.pieces[self.pieces.partition_point(|piece| piece.domain.1 <= t).min(last)];
-        let (start, end) = piece.domain;
-        piece.at((t - start) / (end - start))
-    }
-
-    /// The projection of a curve along a vector onto a plane perpendicular to it.
-    fn seen_along(curve: &NurbsCurve, vector: DVec3) -> Self {
-        let along = unit(vector).unwrap_or_default();
-        let across = |c: &DVec4| (c.xyz() - c.xyz().dot(along) * along).extend(c.w);
-        let piece = |piece: NurbsCurve| CoursePiece {
-            domain: piece.domain(),
-            control: piece.control().iter().map(across).collect(),
-        };
-        let pieces = pieces(curve).into_iter().map(piece).collect();
-        Self::new(pieces, is_closed(curve), curve.magnitude())
-    }
-
-    /// Whether the course stays in one place, up to rounding.
-    fn is_point(&self) -> bool {
-        self.extent <= 4.0 * ROUNDING.1 * self.magnitude
-    }
-
-    /// The profile as `(r² / R, z, 0)`, where `R` is its largest distance from the axis.
-    fn turned(profile: &NurbsCurve, axis: &Axis) -> Self {
-        let points = || (0..profile.control().len()).map(|i| profile.point(i));
-        let reach = points().map(|point| across(point, axis).length()).fold(0.0, f64::max);
-        let piece = |piece: NurbsCurve| {
-            let p = piece.knots().degree();
-            let mut control = vec![DVec4::ZERO; 2 * p + 1];
-            let point = |i: usize| {
-                let point = piece.point(i);
-                (across(point, axis), axis.height(point), piece.weight(i))
-            };
-            let points: Vec<(DVec3, f64, f64)> = (0..=p).map(point).collect();
-            for (i, (a, z, w)) in points.iter().enumerate() {
-                for (j, (b, _, v)) in points.iter().enumerate() {
-                    // B_i B_j of degree p is this much of B_{i+j} of degree 2p.
-                    let share = binomial(p, i) * binomial(p, j) / binomial(2 * p, i + j) * w * v;
-                    control[i + j] += share * DVec4::new(a.dot(*b) / reach, *z, 0.0, 1.0);
-                }
-            }
-            CoursePiece { domain: piece.domain(), control }
-        };
-        let pieces = pieces(profile).into_iter().map(piece).collect();
-        Self::new(pieces, is_closed(profile), profile.magnitude())
-    }
-
-    fn new(pieces: Vec<CoursePiece>, closed: bool, magnitude: f64) -> Self {
-        let points = pieces.iter().flat_map(|piece| &piece.control).map(|c| c.xyz() / c.w);
-        let (low, high) =
-            points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
-        let extent = (high - low).max_element();
-        let slack = ROUNDING.0 * extent + ROUNDING.1 * magnitude;
-        Self { pieces, closed, extent, magnitude, slack }
-    }
-
-    /// The first place where the course turns round and runs back.
-    pub(super) fn fold(&self) -> Option<Fold> {
-        self.folds().into_iter().next()
-    }
-
-    /// The places where the course turns round and runs back, in order.
-    pub(crate) fn folds(&self) -> Vec<Fold> {
-        let mut folds = Vec::new();
-        let mut first: Option<Stretch<'_>> = None;
-        let mut before: Option<Stretch<'_>> = None;
-        for piece in &self.pieces {
-            for shares in piece.cuts().windows(2) {
-                let shares = [shares[0], shares[1]];
-                let stretch = Stretch { piece, shares, ends: shares.map(|share| piece.at(share)) };
-                // Where the course stands still, the stretches on both sides meet.
-                if length(stretch.run()) <= self.slack {
-                    continue;
-                }
-                folds.extend(before.and_then(|before| self.fold_between(before, stretch)));
-                first = first.or(Some(stretch));
-                before = Some(stretch);
+        let points: Vec<(DVec3, f64, f64)> = (0..=p).map(point).collect();
+        for (i, (a, z, w)) in points.iter().enumerate() {
+            for (j, (b, _, v)) in points.iter().enumerate() {
+                // B_i B_j of degree p is this much of B_{i+j} of degree 2p.
+                let share = binomial(p, i) * binomial(p, j) / binomial(2 * p, i + j) * w * v;
+                control[i + j] += share * DVec4::new(a.dot(*b) / reach, *z, 0.0, 1.0);
             }
         }
-        let seam = before.zip(first).filter(|_| self.closed);
-        folds.extend(seam.and_then(|(last, first)| self.fold_between(last, first)));
-        folds
-    }
-
-    /// The fold between two consecutive stretches, if the second runs back over the first.
-    fn fold_between(&self, before: Stretch<'_>, after: Stretch<'_>) -> Option<Fold> {
-        let back = before.back();
-        let runs = [back.run(), after.run()];
-        let parts = (0..3).any(|k| {
-            let [a, b] = runs.map(|run| run[k]);
-            a.abs().min(b.abs()) > self.slack && (a > 0.0) != (b > 0.0)
-        });
-        let common = length(runs[0]).min(length(runs[1]));
-        if parts || common <= LONGER * self.slack {
-            return None;
-        }
-        let meeting = |place: usize| {
-            let distance = common * place as f64 / PLACES as f64;
-            let [(s, p), (t, q)] = [back, after].map(|stretch| stretch.at_distance(distance));
-            let together = p.distance(q) <= SAME_POINT * self.slack; // false for NaN
-            together.then(|| [before.piece.parameter(s), after.piece.parameter(t)])
-        };
-        let both: Vec<[f64; 2]> = (1..=PLACES).map_while(meeting).collect();
-        let until = both.get(PLACES - 1)?[1];
-        Some(Fold { t: after.piece.parameter(after.shares[0]), twice: both[PLACES / 2 - 1], until })
-    }
+        control
+    })
 }

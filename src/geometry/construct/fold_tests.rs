@@ -2,9 +2,10 @@
 
 use glam::{DAffine3, DQuat, DVec3};
 
+use super::Axis;
 use super::fold::*;
-use super::revolve::Axis;
 use super::{Borders, ConstructError, coons, extrude, loft, ruled};
+use crate::geometry::curve::{Course, Fold};
 use crate::geometry::shapes::{circle_arc, circle_cubic};
 use crate::geometry::{KnotVector, NurbsCurve, NurbsSurface};
 use crate::math::bernstein::binomial;

@@ -142,7 +142,7 @@ mod tests {
         // Outward at the start, like the reversed Frenet normal.
         let mut frame = Frame::first(&helix, Some(DVec3::Z)).unwrap();
         let start = frame;
-        for piece in super::super::path::pieces(&helix) {
+        for piece in helix.bezier_pieces() {
             frame = PieceFrames::new(piece, frame).unwrap().last();
         }
         let turned = std::f64::consts::TAU * b / a.hypot(b);

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, DVec4};
 
-use crate::geometry::basis::BasisValues;
+use crate::geometry::knots::BasisValues;
 use crate::geometry::{CurveError, KnotError, KnotVector, MAX_DEGREE, NurbsCurve};
 
 /// The equations `Σ Nᵢ(t_k) Pᵢ = Q_k`, factored once for any number of right-hand sides.

@@ -7,7 +7,7 @@ use super::compatible::{compatible, same_weights};
 use super::error::net_size;
 use super::fold::check_fold;
 use super::interpolate::Interpolation;
-use super::path::SAME_PLACE;
+use crate::geometry::curve::SAME_PLACE;
 use crate::geometry::{MAX_DEGREE, NurbsCurve, NurbsSurface, SurfaceError};
 
 /// A surface through sections, and where it meets them.

@@ -25,7 +25,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub(crate) mod arc;
+mod axis;
 mod axis_points;
 mod collinear;
 mod compatible;
@@ -50,22 +50,26 @@ mod ruled;
 #[cfg(test)]
 mod sound_tests;
 mod stops;
+mod styles;
 mod sweep;
+mod sweep_options;
 #[cfg(test)]
 mod sweep_tests;
 mod tightest;
 mod tube;
+mod tube_parts;
 
+pub use axis::Axis;
 pub use component::{Component, ComponentKind};
-pub use coons::{Borders, CoonsCorner, coons};
-pub use drawing::Drawing;
-pub use error::{ConstructError, DirectionOf};
-pub(crate) use fold::Course;
+pub use coons::{Borders, coons};
+pub use drawing::{Drawing, control_net};
+pub use error::{ConstructError, CoonsCorner, DirectionOf};
 pub use loft::{LOFT_DEGREE, Loft, loft};
-pub use net::{ControlNet, NetStyle, control_net};
-pub use revolve::{Axis, revolve};
-pub(crate) use revolve::{Turned, turned_net};
+pub use net::ControlNet;
+pub use revolve::revolve;
 pub use ruled::{extrude, ruled};
-pub use sweep::{MAX_SCALES, Sweep, SweepOptions, sweep, sweep_size};
+pub use styles::{Caps, NetStyle, RibbonStyle, TubeStyle};
+pub use sweep::{sweep, sweep_size};
+pub use sweep_options::{MAX_SCALES, Sweep, SweepOptions};
 pub use tightest::Tightest;
-pub use tube::{Caps, RibbonStyle, TubeStyle, ribbon, tube};
+pub use tube::{ribbon, tube};

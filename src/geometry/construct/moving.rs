@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::ConstructError;
 use super::error::net_size;
 use super::frames::{Frame, PieceFrames};
-use super::path::{SAME_DIRECTION, angle, is_closed, pieces};
-use super::sweep::{FOLD_SAMPLES, Sweep, SweepOptions};
+use super::path::{SAME_DIRECTION, angle};
+use super::sweep_options::{FOLD_SAMPLES, Sweep, SweepOptions};
 use crate::geometry::{KnotVector, NurbsCurve, NurbsSurface, bernstein};
 
 /// An affine frame, which carries `(x, y, z)` of the profile to
@@ -49,14 +49,14 @@ impl MovingFrames {
     ) -> Result<Self, ConstructError> {
         let mut frame = first;
         let mut done = Vec::new();
-        for piece in pieces(path) {
+        for piece in path.bezier_pieces() {
             let frames = PieceFrames::new(piece, frame)?;
             frame = frames.last();
             done.push(frames);
         }
         let smooth_seam = angle(frame.tangent, first.tangent) <= SAME_DIRECTION;
         let mut turn = options.twist.to_radians();
-        let closed = is_closed(path) && smooth_seam;
+        let closed = path.is_closed() && smooth_seam;
         if closed {
             // The frame comes back turned about the tangent by this angle: undo the turn.
             turn -= frame.normal.dot(first.side()).atan2(frame.normal.dot(first.normal));

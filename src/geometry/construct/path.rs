@@ -4,15 +4,12 @@ use glam::{DVec3, DVec4, Vec4Swizzles};
 
 use super::ConstructError;
 use crate::geometry::NurbsCurve;
+use crate::geometry::curve::SAME_PLACE;
 use crate::math::unit;
 
 /// Directions that differ by less than this angle, in radians, are the same: a million times the
 /// effect of rounding on the tangents of usual curves, and too little to see.
 pub(crate) const SAME_DIRECTION: f64 = 1e-9;
-
-/// Positions that differ by no more than this fraction of the largest coordinate are the same:
-/// several rounding errors of each.
-pub(crate) const SAME_PLACE: f64 = 16.0 * f64::EPSILON;
 
 /// The direction of a clamped curve at `t`. Where the curve stands still at an end, for example at
 /// repeated control points, it is the limit from inside: towards the nearest control point that
@@ -45,13 +42,6 @@ pub(crate) fn angle(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b))
 }
 
-/// The Bézier pieces of a curve, each on its own part of the domain.
-pub(crate) fn pieces(curve: &NurbsCurve) -> Vec<NurbsCurve> {
-    let form = curve.bezier_form();
-    let spans = form.knots().spans().map(|span| (span.start, span.end));
-    spans.collect::<Vec<_>>().into_iter().map(|range| form.restricted(range)).collect()
-}
-
 /// A place where the direction of a path jumps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Kink {
@@ -66,7 +56,7 @@ pub(crate) struct Kink {
 /// When the path has a gap, or stands still at a knot.
 pub(crate) fn kinks(curve: &NurbsCurve) -> Result<Vec<Kink>, ConstructError> {
     let same_place = SAME_PLACE * curve.magnitude();
-    let pieces = pieces(curve);
+    let pieces = curve.bezier_pieces();
     let mut found = Vec::new();
     for pair in pieces.windows(2) {
         let t = pair[1].domain().0;
@@ -93,12 +83,6 @@ pub(crate) fn smooth_parts(curve: &NurbsCurve) -> Result<Vec<NurbsCurve>, Constr
     cuts.push(end);
     let form = curve.bezier_form();
     Ok(cuts.windows(2).map(|pair| form.restricted((pair[0], pair[1]))).collect())
-}
-
-/// Whether a path ends where it begins.
-pub(crate) fn is_closed(curve: &NurbsCurve) -> bool {
-    let [a, b] = curve.clamped().ends();
-    a.distance(b) <= SAME_PLACE * curve.magnitude()
 }
 
 /// Whether a clamped curve runs straight on: its control points lie on one line, in order.
@@ -213,7 +197,7 @@ mod tests {
         assert!((turns[0] - 90.0).abs() < 1e-12);
         let parts = smooth_parts(&polygon).unwrap();
         assert_eq!(parts.len(), 3);
-        assert!(parts.iter().all(is_straight) && is_closed(&polygon) && !is_closed(&parts[0]));
+        assert!(parts.iter().all(is_straight) && polygon.is_closed() && !parts[0].is_closed());
         let back = NurbsCurve::bezier(&[DVec3::ZERO, DVec3::X * 3.0, DVec3::X]).unwrap();
         assert!(!is_straight(&back), "it turns round on its line");
     }

@@ -1,105 +1,26 @@
 //! Surfaces of revolution.
 
-use glam::{DVec3, DVec4};
+use glam::DVec3;
 
-use super::arc::UnitArc;
 use super::axis_points::cut_at_axis;
 use super::fold::check_turned;
-use super::{ConstructError, DirectionOf};
-use crate::geometry::{MAX_MAGNITUDE, NurbsCurve, NurbsSurface};
-use crate::math::unit;
-
-/// A line in space about which things are turned.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Axis {
-    origin: DVec3,
-    /// A unit vector, exact along the coordinate axes.
-    direction: DVec3,
-}
-
-impl Axis {
-    /// The line through a point in a direction of any length.
-    ///
-    /// # Errors
-    /// When a coordinate is not finite, the point is farther away than [`MAX_MAGNITUDE`], or the
-    /// direction is zero.
-    pub fn new(origin: DVec3, direction: DVec3) -> Result<Self, ConstructError> {
-        if !origin.is_finite() {
-            return Err(ConstructError::Point { what: "a point of the axis", point: origin });
-        }
-        if origin.abs().max_element() > MAX_MAGNITUDE {
-            return Err(ConstructError::FarAxis { point: origin });
-        }
-        let unit = unit(direction)
-            .ok_or(ConstructError::Direction { what: DirectionOf::Axis, vector: direction })?;
-        Ok(Self { origin, direction: unit })
-    }
-
-    /// The height of a point along the axis, measured from the point by which the axis is given.
-    pub(crate) fn height(&self, point: DVec3) -> f64 {
-        self.direction.dot(point - self.origin)
-    }
-
-    /// The direction of the axis, of length 1.
-    pub(crate) fn direction(&self) -> DVec3 {
-        self.direction
-    }
-
-    /// The point of the axis that is nearest to another point.
-    pub(crate) fn nearest(&self, point: DVec3) -> DVec3 {
-        self.origin + self.direction * self.height(point)
-    }
-
-    /// The largest absolute coordinate of the point by which the axis is given.
-    pub(crate) fn magnitude(&self) -> f64 {
-        self.origin.abs().max_element()
-    }
-
-    /// The z axis.
-    pub const Z: Self = Self { origin: DVec3::ZERO, direction: DVec3::Z };
-}
-
-/// The vector from an axis to a point, at right angles to it.
-pub(crate) fn across(point: DVec3, axis: &Axis) -> DVec3 {
-    point - axis.origin - axis.direction * axis.height(point)
-}
-
-/// A point that is turned: `centre + x across + y ahead` for `(x, y)` on the unit circle.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Turned {
-    pub(crate) centre: DVec3,
-    pub(crate) across: DVec3,
-    pub(crate) ahead: DVec3,
-    pub(crate) weight: f64,
-}
+use super::{Axis, ConstructError};
+use crate::geometry::shapes::{Turned, UnitArc, turned_net};
+use crate::geometry::{NurbsCurve, NurbsSurface};
 
 /// A point is on the axis if its distance is within the rounding error of its own coordinates and
 /// of the distance: about six operations of half an ulp each.
 const ON_AXIS: f64 = 4.0 * f64::EPSILON;
 
-impl Turned {
-    fn new(point: DVec3, weight: f64, axis: &Axis) -> Self {
-        let from_origin = point - axis.origin;
-        let along = axis.direction * axis.direction.dot(from_origin);
-        let across = from_origin - along;
-        let rounding = ON_AXIS * point.abs().max(axis.origin.abs()).max_element();
-        if across.length() <= rounding {
-            return Self { centre: point, across: DVec3::ZERO, ahead: DVec3::ZERO, weight };
-        }
-        let ahead = axis.direction.cross(across);
-        Self { centre: axis.origin + along, across, ahead, weight }
+/// A control point of a profile, turned about an axis.
+fn turned(point: DVec3, weight: f64, axis: &Axis) -> Turned {
+    let across = axis.across(point);
+    let rounding = ON_AXIS * point.abs().max_element().max(axis.magnitude());
+    if across.length() <= rounding {
+        return Turned { centre: point, across: DVec3::ZERO, ahead: DVec3::ZERO, weight };
     }
-}
-
-/// The homogeneous net of points turned along an arc; the index of the point runs fastest.
-pub(crate) fn turned_net(arc: &[(f64, f64, f64)], points: &[Turned]) -> Vec<DVec4> {
-    let around = |&(x, y, w): &(f64, f64, f64)| {
-        points.iter().map(move |point| {
-            let w = w * point.weight;
-            (w * (point.centre + x * point.across + y * point.ahead)).extend(w)
-        })
-    };
-    arc.iter().flat_map(around).collect()
+    let ahead = axis.direction().cross(across);
+    Turned { centre: axis.nearest(point), across, ahead, weight }
 }
 
 /// The surface that a profile passes over when it is turned about an axis: exact, rational
@@ -129,18 +50,18 @@ pub fn revolve(
     if !usable {
         return Err(ConstructError::Angle { degrees });
     }
-    let turned = |profile: &NurbsCurve| -> Vec<Turned> {
+    let points = |profile: &NurbsCurve| -> Vec<Turned> {
         (0..profile.control().len())
-            .map(|index| Turned::new(profile.point(index), profile.weight(index), axis))
+            .map(|index| turned(profile.point(index), profile.weight(index), axis))
             .collect()
     };
-    if turned(profile).iter().all(|point| point.across == DVec3::ZERO) {
+    if points(profile).iter().all(|point| point.across == DVec3::ZERO) {
         return Err(ConstructError::OnAxis);
     }
     check_turned(profile, axis, degrees)?;
     let profile = &cut_at_axis(profile, axis)?;
     let arc = UnitArc::new(0.0, degrees);
-    let net = turned_net(&arc.points, &turned(profile));
+    let net = turned_net(&arc.points, &points(profile));
     Ok(NurbsSurface::from_homogeneous(arc.knots, profile.knots().clone(), net)?)
 }
 
@@ -202,9 +123,10 @@ mod tests {
 
     #[test]
     fn points_on_a_slanted_axis_stay_one_point() {
-        let axis = Axis::new(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.3, -0.7, 0.2)).unwrap();
-        let at = |along: f64, away: DVec3| axis.origin + along * axis.direction + away;
-        let side = axis.direction.any_orthogonal_vector();
+        let origin = DVec3::new(0.1, 0.2, 0.3);
+        let axis = Axis::new(origin, DVec3::new(0.3, -0.7, 0.2)).unwrap();
+        let at = |along: f64, away: DVec3| origin + along * axis.direction() + away;
+        let side = axis.direction().any_orthogonal_vector();
         let points = vec![at(0.7, DVec3::ZERO), at(1.3, side), at(1.9, DVec3::ZERO)];
         let knots = KnotVector::bezier(2).unwrap();
         let profile = NurbsCurve::new(knots, points.clone(), Some(vec![1.0, 0.7, 2.0])).unwrap();

@@ -4,9 +4,9 @@ use glam::{DVec3, DVec4};
 
 use super::compatible::{compatible, same_weights};
 use super::fold::{check_fold, check_moved};
-use super::path::SAME_PLACE;
 use super::{ConstructError, DirectionOf};
-use crate::geometry::shapes::unit_knots;
+use crate::geometry::curve::SAME_PLACE;
+use crate::geometry::knots::unit_knots;
 use crate::geometry::{NurbsCurve, NurbsSurface};
 use crate::math::ShownVector;
 
@@ -77,7 +77,7 @@ pub fn ruled(from: &NurbsCurve, to: &NurbsCurve) -> Result<NurbsSurface, Constru
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::construct::arc::UnitArc;
+    use crate::geometry::shapes::UnitArc;
     use crate::geometry::{KnotVector, shapes};
 
     fn arc(from: f64, turn: f64, radius: f64, z: f64) -> NurbsCurve {

@@ -2,12 +2,13 @@
 
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 
-use super::revolve::Axis;
+use super::Axis;
 use super::{
     Borders, ConstructError, RibbonStyle, SweepOptions, TubeStyle, coons, extrude, loft, revolve,
     ribbon, ruled, sweep, tube,
 };
-use crate::geometry::shapes::{circle_arc, unit_knots};
+use crate::geometry::knots::unit_knots;
+use crate::geometry::shapes::circle_arc;
 use crate::geometry::{KnotVector, NurbsCurve};
 
 /// Corners `(x, y, z)`.

@@ -7,8 +7,9 @@
 use glam::{DVec4, Vec4Swizzles};
 
 use super::ConstructError;
-use super::path::{SAME_PLACE, pieces};
-use crate::geometry::extremes::add_extremes;
+
+use crate::geometry::curve::SAME_PLACE;
+use crate::geometry::curve::add_extremes;
 use crate::geometry::{KnotVector, NurbsCurve};
 use crate::math::bernstein::restrict;
 
@@ -31,7 +32,7 @@ struct Moving {
 /// # Errors
 /// When the curve stands still everywhere.
 pub(crate) fn without_stops(curve: &NurbsCurve) -> Result<NurbsCurve, ConstructError> {
-    let pieces = pieces(curve);
+    let pieces = curve.bezier_pieces();
     let magnitude = curve.magnitude();
     let mut moving: Vec<Moving> = Vec::new();
     for piece in &pieces {

@@ -2,58 +2,19 @@
 
 use glam::{DVec3, DVec4};
 
-use super::ConstructError;
 use super::compatible::compatible;
 use super::error::net_size;
 use super::fold::{check_fold, check_moved};
 use super::frames::Frame;
 use super::moving::{MovingFrames, approximate};
-use super::path::{OnCircle, SAME_PLACE, is_straight, kinks};
-use super::revolve::{Turned, turned_net};
+use super::path::{OnCircle, is_straight, kinks};
 use super::stops::without_stops;
-use crate::geometry::shapes::unit_knots;
-use crate::geometry::{MAX_DEGREE, NurbsCurve, NurbsSurface};
-
-/// How a profile is carried along a path.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SweepOptions {
-    /// The direction of the profile's y axis at the start, as nearly as possible. The default is z,
-    /// or y where the path begins steeply.
-    pub up: Option<DVec3>,
-    /// The angle in degrees by which the profile turns about the path, evenly in the path's
-    /// parameter.
-    pub twist: f64,
-    /// The profile's size along the path: the coefficients of a Bézier polynomial over the path's
-    /// domain, at most [`MAX_SCALES`] of them. `[1]` keeps the size, `[1, 0]` shrinks the profile
-    /// to a point at the end.
-    pub scale: Vec<f64>,
-    /// The largest allowed distance of the surface from the true sweep where that is not rational,
-    /// in scene units. The default is a millionth of [`sweep_size`] or, where that is less, a
-    /// thousandth of the profile's size, but no finer than rounding allows: 1e-11 of the path's
-    /// size and coordinates.
-    pub tolerance: Option<f64>,
-}
-
-impl Default for SweepOptions {
-    /// Neither twisted nor scaled.
-    fn default() -> Self {
-        Self { up: None, twist: 0.0, scale: vec![1.0], tolerance: None }
-    }
-}
-
-/// A swept surface, and the bound on its distance from the true sweep.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sweep {
-    /// The surface: `u` runs along the profile, `v` along the path, on their own domains.
-    pub surface: NurbsSurface,
-    /// 0 where the surface is exact, else a bound on its distance from the true sweep at the same
-    /// parameters, in scene units: 9/8 of the largest distance found at seven places of each piece
-    /// along the path, for all of the profile's control points. Never more than the tolerance.
-    pub deviation: f64,
-}
-
-/// The most coefficients of a scale: those of a Bézier polynomial of the largest degree.
-pub const MAX_SCALES: usize = MAX_DEGREE + 1;
+use super::sweep_options::FOLD_SAMPLES;
+use super::{ConstructError, MAX_SCALES, Sweep, SweepOptions};
+use crate::geometry::curve::SAME_PLACE;
+use crate::geometry::knots::unit_knots;
+use crate::geometry::shapes::{Turned, turned_net};
+use crate::geometry::{NurbsCurve, NurbsSurface};
 
 /// The default tolerance as a fraction of [`sweep_size`]: far below what is visible.
 const TOLERANCE: f64 = 1e-6;
@@ -252,6 +213,3 @@ fn along_a_circle(
     let [around, along] = knots;
     Ok(NurbsSurface::from_homogeneous(around, along, net)?.swapped())
 }
-
-/// The number of steps in which a profile is sampled to find whether the sweep folds.
-pub(crate) const FOLD_SAMPLES: usize = 64;

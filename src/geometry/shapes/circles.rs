@@ -8,8 +8,8 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 use glam::DVec3;
 
-use super::quadrics::unit_knots;
-use crate::geometry::construct::arc::UnitArc;
+use super::arc::UnitArc;
+use crate::geometry::knots::unit_knots;
 use crate::geometry::{CurveError, KnotVector, MAX_MAGNITUDE, MIN_MAGNITUDE, NurbsCurve};
 
 /// How the quarter circle of degree 2 is weighted; `2 w₁² = w₀ w₂` makes it a circle.

@@ -5,8 +5,8 @@
 
 use glam::DVec3;
 
-use super::quadrics::unit_knots;
 use crate::geometry::NurbsSurface;
+use crate::geometry::knots::unit_knots;
 
 /// The points of a 4 × 4 net, row by row.
 type Net = [[(f64, f64, f64); 4]; 4];

@@ -2,23 +2,26 @@
 //!
 //! Closed shapes are oriented outward: `Sᵤ × Sᵥ` points away from the inside.
 
+mod arc;
 mod circles;
 mod documents;
 mod octant;
 mod quadrics;
 mod revolved;
+mod turned;
 
+pub(crate) use arc::UnitArc;
 pub use circles::{
     QuadraticArc, QuarticArc, QuarticConstants, circle_arc, circle_cubic, half_circle_cubic,
     quarter_circle_quadratic, quarter_circle_quartic, quarter_circle_weighted,
 };
 pub use documents::{deck_patch, lecture_patch_1, lecture_patch_2, lecture_patch_3};
 pub use octant::{OctantConstants, octant_quartic};
-pub(crate) use quadrics::unit_knots;
 pub use quadrics::{
     hemisphere, hemisphere_of_the_note, octant_biquadratic, octant_of_the_note, plane, sphere,
 };
 pub use revolved::{cone, cylinder, disk, sphere_biquadratic, torus};
+pub(crate) use turned::{Turned, turned_net};
 
 use thiserror::Error;
 

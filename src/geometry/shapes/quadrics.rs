@@ -5,6 +5,7 @@
 use glam::{DVec3, DVec4};
 
 use super::{ShapeError, check_length};
+use crate::geometry::knots::unit_knots;
 use crate::geometry::{KnotVector, NurbsSurface};
 
 /// The half circle `x ≥ 0` from `(0, 1)` to `(0, −1)`, as `(x, y, w)` with `x`, `y` not yet
@@ -124,13 +125,6 @@ pub fn plane(width: f64, height: f64) -> Result<NurbsSurface, ShapeError> {
     let corner = |x, y| DVec4::new(x, y, 0.0, 1.0);
     let control = vec![corner(-x, -y), corner(-x, y), corner(x, -y), corner(x, y)];
     Ok(NurbsSurface::assembled([unit_knots(1), unit_knots(1)], control))
-}
-
-/// The knots of one Bézier piece on `[0, 1]`.
-pub(crate) fn unit_knots(degree: usize) -> KnotVector {
-    let mut values = vec![0.0; degree + 1];
-    values.extend(std::iter::repeat_n(1.0, degree + 1));
-    KnotVector::derived(degree, values)
 }
 
 #[cfg(test)]

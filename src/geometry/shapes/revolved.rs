@@ -4,10 +4,10 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::DVec3;
 
-use super::quadrics::unit_knots;
+use super::arc::{UnitArc, arc_knots};
+use super::turned::{Turned, turned_net};
 use super::{ShapeError, check_length};
-use crate::geometry::construct::arc::{UnitArc, arc_knots};
-use crate::geometry::construct::{Turned, turned_net};
+use crate::geometry::knots::unit_knots;
 use crate::geometry::{KnotVector, NurbsSurface};
 
 /// A profile `(r, z, w)` in the half plane `r ≥ 0`, turned around the z axis.

@@ -4,8 +4,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
+use super::MAX_PARAMETER;
 use super::TrimCurveError;
-use super::domain::MAX_PARAMETER;
 use crate::geometry::{KnotVector, NurbsCurve};
 
 /// The most points of a polyline, or Bézier pieces of a spline times its degree; more are taken for

@@ -1,12 +1,9 @@
 //! The rectangle of parameters that trim loops cut from, and whether it closes on itself.
 
-use super::{JOINT_TOLERANCE, TrimError, TrimLoopError, UvBox};
+use super::{JOINT_TOLERANCE, MAX_PARAMETER, TrimError, TrimLoopError, UvBox};
 use glam::DVec2;
 
 use crate::geometry::{Direction, NurbsSurface};
-
-/// The largest absolute value of a parameter; products of three parameters must not overflow.
-pub(super) const MAX_PARAMETER: f64 = 1e100;
 
 /// The domain of the surface that is trimmed.
 ///

@@ -1,11 +1,9 @@
 //! Closes the gaps between the pieces of a loop, without bending a piece.
 
-use glam::{DVec2, Vec3Swizzles};
+use glam::DVec2;
 
-use super::curve::euclidean;
-use super::trim_loop::LoopPiece;
+use super::loop_piece::LoopPiece;
 use super::{JOINT_TOLERANCE, UvBox};
-use crate::math::bernstein::restrict;
 
 /// Two pieces meet at a joint if this is no farther from the gap than so many times its width; then
 /// their directions differ by an eighth at least. A chord closes other gaps.
@@ -170,49 +168,6 @@ fn meeting(pair: [&LoopPiece; 2], gauge: &Gauge) -> Option<Meeting> {
 }
 
 impl LoopPiece {
-    /// The point at a parameter, and the derivative there.
-    fn at(&self, t: f64) -> [DVec2; 2] {
-        let mut control = self.control.clone();
-        let degree = control.len() - 1;
-        for last in (1..degree).rev() {
-            for k in 0..=last {
-                control[k] = (1.0 - t) * control[k] + t * control[k + 1];
-            }
-        }
-        let (from, to) = (control[0], control[1]);
-        let place = (1.0 - t) * from + t * to;
-        let (along, point) = (degree as f64 * (to - from), euclidean(place));
-        [point, (along.xy() - along.z * point) / place.z]
-    }
-
-    /// The piece between two parameters, which may lie outside `[0, 1]`.
-    fn restricted(&self, from: f64, to: f64) -> Self {
-        if [from, to] == [0.0, 1.0] {
-            return self.clone();
-        }
-        let mut control = self.control.clone();
-        restrict(&mut control, from, to);
-        for k in 0..2 {
-            if let Some(value) = self.constant(k) {
-                control.iter_mut().for_each(|c| c[k] = c.z * value);
-            }
-        }
-        let mut ends = [control[0], control[control.len() - 1]].map(euclidean);
-        if from == 0.0 {
-            ends[0] = self.ends[0];
-        }
-        if to == 1.0 {
-            ends[1] = self.ends[1];
-        }
-        Self { ends, control }
-    }
-
-    /// The value of a coordinate that is the same all along the piece.
-    fn constant(&self, k: usize) -> Option<f64> {
-        let value = self.ends[0][k];
-        self.hull().all(|point| point[k] == value).then_some(value)
-    }
-
     /// A parameter, at most one half, at which the piece is as far as `width` from its beginning,
     /// though nowhere much farther before; 0 if there is none.
     fn leaving(&self, width: f64, gauge: &Gauge) -> f64 {

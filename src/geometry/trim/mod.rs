@@ -37,6 +37,7 @@ mod joints;
 #[cfg(test)]
 mod lobe_tests;
 mod lobes;
+mod loop_piece;
 mod monotone;
 mod outline;
 #[cfg(test)]
@@ -56,10 +57,22 @@ pub use domain::TrimDomain;
 pub use error::{TrimCurveError, TrimError, TrimLoopError};
 pub use lobes::LOBE_TOLERANCE;
 pub(crate) use stretches::EdgePiece;
-pub use trim_loop::{JOINT_TOLERANCE, SEAM_TOLERANCE, TrimLoop};
+pub use trim_loop::{SEAM_TOLERANCE, TrimLoop};
 pub use trims::{Coverage, Kept, MAX_TRIM_SEGMENTS, Side, Trims};
 pub use uv_box::UvBox;
 pub(crate) use window::{WINDOW_REACH, WINDOW_SPARE, WindowCurve, is_kept};
+
+/// Ends of curves this close, relative to the loop's extent in u and in v, count as one point.
+///
+/// CAD files are only as accurate as their authors' tolerances in space, which are large beside
+/// narrow faces: of 2299 trimmed faces of 75 models, 14 have gaps beyond 10⁻⁶ of the extent, and of
+/// those in models since, three have gaps from 1.2·10⁻⁴ to 3.7·10⁻⁴. Gaps are closed without
+/// changing more than what is about as far from them as they are wide. For a loop drawn a thousand
+/// pixels wide, 10⁻³ is one pixel; a wider gap, which could be seen, is an error.
+pub const JOINT_TOLERANCE: f64 = 1e-3;
+
+/// The largest absolute value of a parameter; products of three parameters must not overflow.
+const MAX_PARAMETER: f64 = 1e100;
 
 #[cfg(test)]
 mod error_tests;

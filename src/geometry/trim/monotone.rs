@@ -4,9 +4,9 @@ use glam::{DVec2, DVec3};
 
 use super::UvBox;
 use super::curve::euclidean;
+use super::loop_piece::LoopPiece;
 use super::segment::Segment;
-use super::trim_loop::LoopPiece;
-use crate::geometry::extremes::{FINEST, add_extremes};
+use crate::geometry::curve::{FINEST, add_extremes};
 use crate::math::bernstein::restrict;
 
 /// The most halvings of a monotone stretch: a cusp never becomes flat.

@@ -5,18 +5,10 @@ use glam::{DVec2, DVec3, DVec4};
 use super::curve::euclidean;
 use super::joints::{self, Gauge};
 use super::lobes::LOBE_TOLERANCE;
+use super::loop_piece::LoopPiece;
 use super::{TrimCurve, TrimDomain, TrimLoopError, UvBox};
 use crate::geometry::Direction;
-use crate::geometry::construct::Course;
-
-/// Ends of curves this close, relative to the loop's extent in u and in v, count as one point.
-///
-/// CAD files are only as accurate as their authors' tolerances in space, which are large beside
-/// narrow faces: of 2299 trimmed faces of 75 models, 14 have gaps beyond 10⁻⁶ of the extent, and of
-/// those in models since, three have gaps from 1.2·10⁻⁴ to 3.7·10⁻⁴. Gaps are closed without
-/// changing more than what is about as far from them as they are wide. For a loop drawn a thousand
-/// pixels wide, 10⁻³ is one pixel; a wider gap, which could be seen, is an error.
-pub const JOINT_TOLERANCE: f64 = 1e-3;
+use crate::geometry::curve::Course;
 
 /// Sides of loops along the seam of a periodic domain are taken to lie on the seam if they are this
 /// close to it, relative to the period, and no farther from it than a ten-thousandth of the loop's
@@ -39,7 +31,7 @@ const ALONG: f64 = 1e-3;
 /// ends, the first where the last one ends.
 ///
 /// # Invariants, checked once on construction
-/// - the ends meet to within [`JOINT_TOLERANCE`] times the loop's extent (in u and v separately)
+/// - the ends meet to within [`JOINT_TOLERANCE`](super::JOINT_TOLERANCE) times the loop's extent (in u and v separately)
 ///   plus a few rounding errors of its magnitude, and are then made equal: the curves end where
 ///   they meet near the gap, if need be extended, or are joined there by a short straight line;
 /// - the loop is not a point.
@@ -50,15 +42,6 @@ const ALONG: f64 = 1e-3;
 pub struct TrimLoop {
     pieces: Vec<LoopPiece>,
     widest_gap: f64,
-}
-
-/// A Bézier piece of a loop.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct LoopPiece {
-    /// Where the piece begins and ends, equal bit for bit to the adjoining ends of its neighbours.
-    pub(super) ends: [DVec2; 2],
-    /// Its homogeneous control points; the outer ones equal the ends up to a rounding error.
-    pub(super) control: Vec<DVec3>,
 }
 
 impl TrimLoop {
@@ -208,7 +191,7 @@ impl TrimLoop {
     }
 
     /// The widest gap between curves as written, as a fraction of the loop's extent, in u or in v.
-    /// It is at most [`JOINT_TOLERANCE`], except for rounding of tiny loops, and has been closed.
+    /// It is at most [`JOINT_TOLERANCE`](super::JOINT_TOLERANCE), except for rounding of tiny loops, and has been closed.
     pub fn widest_gap(&self) -> f64 {
         self.widest_gap
     }
@@ -240,38 +223,5 @@ impl TrimLoop {
 
     pub(super) fn pieces(&self) -> &[LoopPiece] {
         &self.pieces
-    }
-}
-
-impl LoopPiece {
-    /// The straight line between two points.
-    pub(super) fn line(ends: [DVec2; 2]) -> Self {
-        Self { ends, control: ends.map(|end| end.extend(1.0)).into() }
-    }
-
-    /// The piece run backwards.
-    pub(super) fn reversed(&self) -> Self {
-        let [from, to] = self.ends;
-        Self { ends: [to, from], control: self.control.iter().rev().copied().collect() }
-    }
-
-    pub(super) fn hull(&self) -> impl Iterator<Item = DVec2> + '_ {
-        self.control.iter().map(|&c| euclidean(c)).chain(self.ends)
-    }
-
-    /// Moves the beginning (0) or the end (1) of the piece, together with the control point there.
-    pub(super) fn move_end(&mut self, which: usize, to: DVec2) {
-        if self.ends[which] == to {
-            return;
-        }
-        self.ends[which] = to;
-        let index = which * (self.control.len() - 1);
-        let weight = self.control[index].z;
-        self.control[index] = (weight * to).extend(weight);
-    }
-
-    /// Whether the piece is a straight line by its degree, which is 1.
-    pub(super) fn is_line(&self) -> bool {
-        self.control.len() == 2
     }
 }

@@ -1,0 +1,297 @@
+//! Cubic segments in matrix form, `C(t) = [t³ t² t 1] M G`, and the splines made of them.
+//!
+//! They are written as in the lecture on bicubic surfaces and splines, with these differences. The
+//! lecture prints `S M G M Tᵀ` for surfaces: that is right for the Bézier matrix, which is
+//! symmetric; B-splines need `S M G Mᵀ Tᵀ`. Likewise `Q_j(t) = G_j B(t)` needs `B = Mᵀ Tᵀ`. The
+//! lecture numbers the blending functions B₀ to B₃ on one slide and B₄ to B₁ on the next; here they
+//! are B₀ to B₃.
+
+use glam::{DVec3, DVec4};
+
+use super::{CurveError, NurbsCurve};
+use crate::geometry::KnotVector;
+
+/// The meaning of the four vectors `G` that define a cubic segment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MatrixForm {
+    /// Four control points.
+    Bezier,
+    /// Four control points of a uniform B-spline; the segment need not meet any of them.
+    BSpline,
+    /// The two end points, then the derivatives there.
+    Hermite,
+    /// Four points; the segment runs from the second to the third, with the derivatives
+    /// `(P₂ − P₀)/2` and `(P₃ − P₁)/2`.
+    CatmullRom,
+}
+
+impl MatrixForm {
+    /// All four forms.
+    pub const ALL: [Self; 4] = [Self::Bezier, Self::BSpline, Self::Hermite, Self::CatmullRom];
+
+    /// The matrix `M`: rows for `t³`, `t²`, `t`, 1, columns for the four vectors.
+    pub fn matrix(self) -> [[f64; 4]; 4] {
+        let (whole, over) = match self {
+            Self::Bezier => ([[-1, 3, -3, 1], [3, -6, 3, 0], [-3, 3, 0, 0], [1, 0, 0, 0]], 1.0),
+            Self::BSpline => ([[-1, 3, -3, 1], [3, -6, 3, 0], [-3, 0, 3, 0], [1, 4, 1, 0]], 6.0),
+            Self::Hermite => ([[2, -2, 1, 1], [-3, 3, -2, -1], [0, 0, 1, 0], [1, 0, 0, 0]], 1.0),
+            Self::CatmullRom => {
+                ([[-1, 3, -3, 1], [2, -5, 4, -1], [-1, 0, 1, 0], [0, 2, 0, 0]], 2.0)
+            }
+        };
+        whole.map(|row: [i32; 4]| row.map(|entry| f64::from(entry) / over))
+    }
+
+    /// The four blending functions at `t`, `[t³ t² t 1] M`.
+    pub fn blending(self, t: f64) -> [f64; 4] {
+        let m = self.matrix();
+        [0, 1, 2, 3].map(|k| ((m[0][k] * t + m[1][k]) * t + m[2][k]) * t + m[3][k])
+    }
+
+    /// The Bézier points of a segment.
+    pub(crate) fn to_bezier(self, [a, b, c, d]: [DVec3; 4]) -> [DVec3; 4] {
+        match self {
+            Self::Bezier => [a, b, c, d],
+            Self::BSpline => {
+                let [left, right] = [(2.0 * b + c) / 3.0, (b + 2.0 * c) / 3.0];
+                [(a + 4.0 * b + c) / 6.0, left, right, (b + 4.0 * c + d) / 6.0]
+            }
+            Self::Hermite => [a, a + c / 3.0, b - d / 3.0, b],
+            Self::CatmullRom => [b, b + (c - a) / 6.0, c - (d - b) / 6.0, c],
+        }
+    }
+
+    /// The four vectors that define, in this form, the segment with these Bézier points.
+    fn given_by_bezier(self, [a, b, c, d]: [DVec3; 4]) -> [DVec3; 4] {
+        match self {
+            Self::Bezier => [a, b, c, d],
+            Self::BSpline => {
+                [6.0 * a - 7.0 * b + 2.0 * c, 2.0 * b - c, 2.0 * c - b, 2.0 * b - 7.0 * c + 6.0 * d]
+            }
+            Self::Hermite => [a, d, 3.0 * (b - a), 3.0 * (d - c)],
+            Self::CatmullRom => [d - 6.0 * (b - a), a, d, a + 6.0 * (d - c)],
+        }
+    }
+
+    /// The segment as a curve on `[0, 1]`: its Bézier form.
+    ///
+    /// # Errors
+    /// When a coordinate is not finite.
+    pub fn segment(self, geometry: [DVec3; 4]) -> Result<NurbsCurve, CurveError> {
+        NurbsCurve::bezier(&self.to_bezier(geometry))
+    }
+
+    /// The four vectors that define `segment`, a curve of one cubic, polynomial piece.
+    ///
+    /// # Errors
+    /// When the curve has another degree, several pieces, or different weights.
+    pub fn geometry(self, segment: &NurbsCurve) -> Result<[DVec3; 4], CurveError> {
+        let clamped = segment.clamped();
+        let fits = clamped.knots().degree() == 3
+            && clamped.knots().point_count() == 4
+            && !clamped.is_rational();
+        if !fits {
+            return Err(CurveError::NotOneCubic {
+                degree: segment.knots().degree(),
+                pieces: segment.knots().spans().count(),
+                rational: segment.is_rational(),
+            });
+        }
+        Ok(self.given_by_bezier([0, 1, 2, 3].map(|k| clamped.point(k))))
+    }
+
+    /// The four vectors that define in the form `to` the segment that `geometry` defines in this
+    /// one.
+    pub fn converted(self, geometry: [DVec3; 4], to: Self) -> [DVec3; 4] {
+        to.given_by_bezier(self.to_bezier(geometry))
+    }
+
+    /// The chain of the segments of four consecutive vectors each, whose first vectors are
+    /// `advance` apart; each is one parameter unit long and begins where the one before it ends.
+    /// Catmull–Rom segments advance by one point, Hermite segments by their own four vectors; both
+    /// chains are smooth to the first derivative.
+    fn chain(self, points: &[DVec3], advance: usize) -> Result<NurbsCurve, CurveError> {
+        let mut control: Vec<DVec4> = Vec::new();
+        let mut pieces = 0;
+        for window in points.windows(4).step_by(advance) {
+            let bezier = self.to_bezier([window[0], window[1], window[2], window[3]]);
+            let shared = usize::from(pieces > 0);
+            control.extend(bezier[shared..].iter().map(|point| point.extend(1.0)));
+            pieces += 1;
+        }
+        let mut knots = vec![0.0];
+        knots.extend((0..=pieces).flat_map(|t| [t as f64; 3]));
+        knots.push(pieces as f64);
+        NurbsCurve::from_homogeneous(KnotVector::for_points(3, knots, control.len())?, control)
+    }
+}
+
+impl NurbsCurve {
+    /// The Catmull–Rom spline through these points, from the second to the last but one; its
+    /// parameter grows by 1 from point to point.
+    ///
+    /// # Errors
+    /// When there are fewer than four points, or one is not finite.
+    pub fn catmull_rom(points: &[DVec3]) -> Result<Self, CurveError> {
+        check_count(points.len(), 4)?;
+        MatrixForm::CatmullRom.chain(points, 1)
+    }
+
+    /// The closed Catmull–Rom spline through all of these points.
+    ///
+    /// # Errors
+    /// When there are fewer than three points, or one is not finite.
+    pub fn closed_catmull_rom(points: &[DVec3]) -> Result<Self, CurveError> {
+        check_count(points.len(), 3)?;
+        let around: Vec<DVec3> =
+            (0..points.len() + 3).map(|k| points[(k + points.len() - 1) % points.len()]).collect();
+        MatrixForm::CatmullRom.chain(&around, 1)
+    }
+
+    /// The Hermite spline through points with these derivatives; its parameter grows by 1
+    /// from point to point.
+    ///
+    /// # Errors
+    /// When there are fewer than two points, not as many derivatives, or one is not finite.
+    pub fn hermite(points: &[DVec3], derivatives: &[DVec3]) -> Result<Self, CurveError> {
+        check_count(points.len(), 2)?;
+        if derivatives.len() != points.len() {
+            let (derivatives, points) = (derivatives.len(), points.len());
+            return Err(CurveError::DerivativeCount { derivatives, points });
+        }
+        let ends = |k: usize| [points[k], points[k + 1], derivatives[k], derivatives[k + 1]];
+        let all: Vec<DVec3> = (0..points.len() - 1).flat_map(ends).collect();
+        MatrixForm::Hermite.chain(&all, 4)
+    }
+}
+
+pub(super) fn check_count(found: usize, needed: usize) -> Result<(), CurveError> {
+    if found < needed { Err(CurveError::TooFewPoints { found, needed }) } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const G: [DVec3; 4] = [
+        DVec3::new(2.0, 1.0, 0.0),
+        DVec3::new(5.0, 2.0, -1.0),
+        DVec3::new(6.0, 5.0, 3.0),
+        DVec3::new(8.0, 6.0, 0.5),
+    ];
+
+    fn blended(form: MatrixForm, g: [DVec3; 4], t: f64) -> DVec3 {
+        g.iter().zip(form.blending(t)).map(|(&point, weight)| weight * point).sum()
+    }
+
+    #[test]
+    fn segments_are_what_their_matrices_say() {
+        for form in MatrixForm::ALL {
+            for size in [1e-8, 1.0, 1e8] {
+                let g = G.map(|point| size * point);
+                let curve = form.segment(g).unwrap();
+                for k in 0..=20 {
+                    let t = f64::from(k) / 20.0;
+                    let off = curve.point_at(t).distance(blended(form, g, t));
+                    assert!(off < 2e-14 * size, "{form:?} at {t}: off by {off:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_form_becomes_every_other_and_comes_back() {
+        for from in MatrixForm::ALL {
+            for to in MatrixForm::ALL {
+                let other = from.converted(G, to);
+                for k in 0..=8 {
+                    let t = f64::from(k) / 8.0;
+                    let off = blended(from, G, t).distance(blended(to, other, t));
+                    assert!(off < 2e-13, "{from:?} to {to:?}: off by {off:e}");
+                }
+                let back = to.converted(other, from);
+                assert!(back.iter().zip(G).all(|(a, b)| a.distance(b) < 2e-12));
+            }
+            let read = from.geometry(&from.segment(G).unwrap()).unwrap();
+            assert!(read.iter().zip(G).all(|(a, b)| a.distance(b) < 1e-13), "{from:?}");
+        }
+        let two = NurbsCurve::catmull_rom(&[G[0], G[1], G[2], G[3], G[0]]).unwrap();
+        assert_eq!(
+            MatrixForm::Bezier.geometry(&two).unwrap_err().to_string(),
+            "needed is one cubic, polynomial piece; this has degree 3 and 2 pieces"
+        );
+    }
+
+    #[test]
+    fn the_lecture_s_blending_functions() {
+        for k in 0..=10 {
+            let t = f64::from(k) / 10.0;
+            let b = MatrixForm::BSpline.blending(t);
+            let s = 1.0 - t;
+            let printed = [
+                s * s * s / 6.0,
+                (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0,
+                (-3.0 * t * t * t + 3.0 * t * t + 3.0 * t + 1.0) / 6.0,
+                t * t * t / 6.0,
+            ];
+            assert!(b.iter().zip(printed).all(|(x, y)| (x - y).abs() < 1e-15), "{t}: {b:?}");
+        }
+    }
+
+    /// The B-spline segments of every four consecutive points are the uniform B-spline of all
+    /// points.
+    #[test]
+    fn the_lecture_s_b_spline_is_the_one_over_uniform_knots() {
+        let corners = [[2, 1], [5, 2], [6, 5], [8, 6], [5, 9], [4, 7], [1, 5]];
+        let points = corners.map(|[x, y]| DVec3::new(f64::from(x), f64::from(y), 0.0));
+        let spline = NurbsCurve::uniform_bspline(3, &points).unwrap();
+        for (first, window) in points.windows(4).enumerate() {
+            let g = [window[0], window[1], window[2], window[3]];
+            for k in 0..=8 {
+                let t = f64::from(k) / 8.0;
+                let off = spline.point_at(3.0 + first as f64 + t).distance(blended(
+                    MatrixForm::BSpline,
+                    g,
+                    t,
+                ));
+                assert!(off < 1e-14, "segment {first} at {t}: off by {off:e}");
+            }
+        }
+        // The first segment's middle, from the polynomials of the lecture's example.
+        let middle = spline.point_at(3.5);
+        assert!(middle.distance(DVec3::new(263.0 / 48.0, 3.5, 0.0)) < 1e-15);
+    }
+
+    #[test]
+    fn catmull_rom_and_hermite_meet_their_points_smoothly() {
+        let spline = NurbsCurve::catmull_rom(&[G[0], G[1], G[2], G[3], DVec3::ZERO]).unwrap();
+        assert_eq!(spline.domain(), (0.0, 2.0));
+        let knot = spline.derivatives(1.0);
+        assert_eq!(knot.point, G[2]);
+        let expected = 0.5 * (G[3] - G[1]);
+        assert!(knot.first.distance(expected) < 1e-14);
+        assert!(spline.derivatives(1.0 - 1e-9).first.distance(expected) < 1e-7);
+
+        let around = NurbsCurve::closed_catmull_rom(&G).unwrap();
+        assert_eq!((around.point_at(0.0), around.point_at(3.0)), (G[0], G[3]));
+        assert_eq!(around.point_at(4.0), G[0]);
+        let seam = [0.0, 4.0].map(|t| around.derivatives(t).first);
+        assert!(seam[0].distance(seam[1]) < 1e-14);
+
+        let tangents = [DVec3::X, DVec3::Y, DVec3::Z];
+        let hermite = NurbsCurve::hermite(&G[..3], &tangents).unwrap();
+        for k in 0..3 {
+            let at = hermite.derivatives(k as f64);
+            assert_eq!(at.point, G[k]);
+            assert!(at.first.distance(tangents[k]) < 1e-14);
+        }
+        assert_eq!(
+            NurbsCurve::hermite(&G, &tangents).unwrap_err().to_string(),
+            "3 derivatives for 4 points: each needs one"
+        );
+        assert_eq!(
+            NurbsCurve::catmull_rom(&G[..3]).unwrap_err().to_string(),
+            "3 points: at least 4 are needed"
+        );
+    }
+}

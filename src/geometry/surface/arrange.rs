@@ -1,0 +1,54 @@
+//! The same surface with a direction reversed, its parameters exchanged, or moved by a map.
+
+use glam::DAffine3;
+
+use super::{NurbsSurface, SurfaceError};
+use crate::geometry::affine::{moved, unfit_determinant};
+
+impl NurbsSurface {
+    /// The surface run backwards in u, which reverses its normals; the domain stays (see
+    /// [`KnotVector::reversed`](super::KnotVector::reversed)).
+    #[must_use]
+    pub fn reversed_u(&self) -> Self {
+        let (_, nv) = self.size();
+        let control = self.control().chunks(nv).rev().flatten().copied().collect();
+        Self::assembled([self.knots_u().reversed(), self.knots_v().clone()], control)
+    }
+
+    /// The surface run backwards in v, which reverses its normals; the domain stays (see
+    /// [`KnotVector::reversed`](super::KnotVector::reversed)).
+    #[must_use]
+    pub fn reversed_v(&self) -> Self {
+        let (_, nv) = self.size();
+        let control = self.control().chunks(nv).flat_map(|row| row.iter().rev()).copied().collect();
+        Self::assembled([self.knots_u().clone(), self.knots_v().reversed()], control)
+    }
+
+    /// The surface with its parameters exchanged, `S(v, u)`, which reverses its normals.
+    #[must_use]
+    pub fn swapped(&self) -> Self {
+        let (nu, nv) = self.size();
+        let control = (0..nv).flat_map(|j| (0..nu).map(move |i| self.homogeneous(i, j))).collect();
+        Self::assembled([self.knots_v().clone(), self.knots_u().clone()], control)
+    }
+
+    /// The surface moved by an affine map. The parameters stay as they are, so that if the map
+    /// mirrors, normals that pointed out of a body point into it.
+    ///
+    /// # Errors
+    /// When the map is not finite, flattens space, or takes a control point to infinity.
+    pub fn transformed(&self, map: &DAffine3) -> Result<Self, SurfaceError> {
+        check_invertible(map)?;
+        let control = self.control().iter().map(|point| moved(map, point)).collect();
+        Self::from_homogeneous(self.knots_u().clone(), self.knots_v().clone(), control)
+    }
+}
+
+/// Refuses a map that is not finite, or flattens space.
+pub(crate) fn check_invertible(map: &DAffine3) -> Result<(), SurfaceError> {
+    if !map.is_finite() {
+        return Err(SurfaceError::TransformNotFinite);
+    }
+    unfit_determinant(map)
+        .map_or(Ok(()), |determinant| Err(SurfaceError::Transform { determinant }))
+}

@@ -1,0 +1,25 @@
+//! Tensor-product NURBS surfaces.
+
+mod arrange;
+mod bezier_form;
+mod closed;
+mod derivatives;
+mod error;
+mod evaluate;
+mod iso;
+mod matrix_patch;
+#[cfg(test)]
+mod normal_tests;
+mod nurbs_surface;
+mod refine;
+#[cfg(test)]
+mod refine_tests;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use arrange::check_invertible;
+pub(crate) use bezier_form::BezierForm;
+pub use derivatives::SurfaceDerivatives;
+pub use error::{Direction, SurfaceError};
+pub use matrix_patch::matrix_patch;
+pub use nurbs_surface::NurbsSurface;

@@ -1,0 +1,366 @@
+//! Trim edges in space: curves on a surface, exactly.
+
+use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
+
+use super::TrimmedSurface;
+use crate::geometry::knots::MAX_DEGREE;
+use crate::geometry::trim::EdgePiece;
+use crate::geometry::{
+    CurveError, Direction, KnotError, KnotVector, NurbsCurve, NurbsSurface, SurfaceError,
+};
+use crate::math::bernstein::binomial;
+
+/// Two pieces of an edge are joined if their ends agree to this many roundings of the largest
+/// coordinate: a surface with a knot of full multiplicity may jump.
+const JOINT: f64 = 256.0;
+
+impl TrimmedSurface {
+    /// The trim edges in space, `S(c(t))` for the trim curves `c`. Each loop gives its part in the
+    /// closed domain, in the loop's direction: one curve, or several where the domain cuts the loop
+    /// or the surface jumps.
+    ///
+    /// They are exact except for rounding: a rational Bézier curve of degree d within a piece of
+    /// the surface of degrees p and q is one of degree (p + q) d in space (DeRose, Goldman, Hagen &
+    /// Mann, "Functional composition algorithms via blossoming", 1993; here by products of
+    /// Bernstein polynomials).
+    ///
+    /// # Errors
+    /// When that degree exceeds [`MAX_DEGREE`], or a weight or point is beyond the range of f64.
+    pub fn edge_curves(&self) -> Result<Vec<NurbsCurve>, CurveError> {
+        let form = Pieces::new(self.surface());
+        let cuts = form.lines.each_ref().map(Vec::as_slice);
+        let mut curves = Vec::new();
+        for chain in self.trims().edge_chains(cuts) {
+            let mut parts: Vec<Vec<DVec4>> = Vec::new();
+            for piece in &chain {
+                let lifted = form.lifted(piece)?;
+                match parts.last_mut() {
+                    Some(part) if joins(part, &lifted) => append(part, lifted),
+                    _ => parts.push(lifted),
+                }
+            }
+            let Some(piece) = chain.first() else { continue };
+            let degree = form.degree(piece);
+            for part in parts {
+                let mut knots = vec![0.0];
+                for k in 0..=(part.len() - 1) / degree {
+                    knots.extend(vec![k as f64; degree]);
+                }
+                knots.push(((part.len() - 1) / degree) as f64);
+                let curve = NurbsCurve::from_homogeneous(KnotVector::new(degree, knots)?, part)?;
+                if !curve.is_point() {
+                    curves.push(curve);
+                }
+            }
+        }
+        Ok(curves)
+    }
+
+    /// The kept stretches of the curve `v ↦ S(u, v)` at `u = at`, or for [`Direction::V`] of
+    /// `u ↦ S(u, v)` at `v = at`, each on its own part of the domain.
+    ///
+    /// # Errors
+    /// When the parameter is off the domain.
+    pub fn kept_curves(
+        &self,
+        direction: Direction,
+        at: f64,
+    ) -> Result<Vec<NurbsCurve>, SurfaceError> {
+        let whole = match direction {
+            Direction::U => self.surface().curve_at_u(at)?,
+            Direction::V => self.surface().curve_at_v(at)?,
+        };
+        let kept = self.trims().kept_along(direction, at).into_iter();
+        Ok(kept.map(|[from, to]| whole.restricted((from, to))).collect())
+    }
+}
+
+/// A surface as Bézier pieces.
+struct Pieces {
+    form: NurbsSurface,
+    /// The parameters at which pieces end, in u and in v.
+    lines: [Vec<f64>; 2],
+}
+
+impl Pieces {
+    fn new(surface: &NurbsSurface) -> Self {
+        let form = surface.bezier_form();
+        let lines = [form.knots_u(), form.knots_v()].map(|knots| {
+            let (_, end) = knots.domain();
+            knots.spans().map(|span| span.start).chain([end]).collect()
+        });
+        Self { form, lines }
+    }
+
+    /// The degree of an edge's piece in space.
+    fn degree(&self, piece: &EdgePiece) -> usize {
+        let [p, q] = [self.form.knots_u().degree(), self.form.knots_v().degree()];
+        (p + q) * (piece.control.len() - 1)
+    }
+
+    /// The homogeneous control points of an edge's piece in space.
+    fn lifted(&self, piece: &EdgePiece) -> Result<Vec<DVec4>, CurveError> {
+        let degree = self.degree(piece);
+        if degree > MAX_DEGREE {
+            return Err(KnotError::Degree { degree }.into());
+        }
+        let middle = piece.middle();
+        let span = |knots: &KnotVector, t: f64| {
+            let index = knots.span(t);
+            (index, [knots.values()[index], knots.values()[index + 1]])
+        };
+        let (i, [u0, u1]) = span(self.form.knots_u(), middle.x);
+        let (j, [v0, v1]) = span(self.form.knots_v(), middle.y);
+        let [p, q] = [self.form.knots_u().degree(), self.form.knots_v().degree()];
+        let local = piece.within(DVec2::new(u0, v0), DVec2::new(u1, v1));
+
+        // Σ Σ C(p, a) C(q, b) Xᵃ (W − X)ᵖ⁻ᵃ Yᵇ (W − Y)^(q−b) P_ab with x = X / W and y = Y / W. The
+        // Bernstein coefficients of each factor include their binomials: products are convolutions.
+        let scaled = |of: fn(DVec3) -> f64| -> Vec<f64> {
+            let n = local.len() - 1;
+            local.iter().enumerate().map(|(k, &c)| binomial(n, k) * of(c)).collect()
+        };
+        let along_u = blends(&scaled(|c| c.x), &scaled(|c| c.z - c.x), p);
+        let along_v = blends(&scaled(|c| c.y), &scaled(|c| c.z - c.y), q);
+        let mut sum = vec![DVec4::ZERO; degree + 1];
+        for (a, blend_u) in along_u.iter().enumerate() {
+            for (b, blend_v) in along_v.iter().enumerate() {
+                let point = self.form.homogeneous(i - p + a, j - q + b);
+                for (sum, factor) in sum.iter_mut().zip(product(blend_u, blend_v)) {
+                    *sum += factor * point;
+                }
+            }
+        }
+        Ok(sum.into_iter().enumerate().map(|(k, c)| c / binomial(degree, k)).collect())
+    }
+}
+
+/// `C(p, a) Xᵃ Zᵖ⁻ᵃ` for a = 0 … p.
+fn blends(x: &[f64], z: &[f64], p: usize) -> Vec<Vec<f64>> {
+    let powers = |of: &[f64]| {
+        let mut powers = vec![vec![1.0]];
+        for k in 0..p {
+            powers.push(product(&powers[k], of));
+        }
+        powers
+    };
+    let (x, z) = (powers(x), powers(z));
+    let blend = |a: usize| {
+        let factor = binomial(p, a);
+        product(&x[a], &z[p - a]).into_iter().map(|value| factor * value).collect()
+    };
+    (0..=p).map(blend).collect()
+}
+
+/// The product of two polynomials whose Bernstein coefficients include their binomials.
+fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let mut product = vec![0.0; a.len() + b.len() - 1];
+    for (i, a) in a.iter().enumerate() {
+        for (j, b) in b.iter().enumerate() {
+            product[i + j] += a * b;
+        }
+    }
+    product
+}
+
+/// Whether the next piece begins where a part ends.
+fn joins(part: &[DVec4], next: &[DVec4]) -> bool {
+    let (a, b) = (part[part.len() - 1], next[0]);
+    let (a, b) = (a.xyz() / a.w, b.xyz() / b.w);
+    let magnitude = a.abs().max(b.abs()).max_element();
+    a.distance(b) <= JOINT * f64::EPSILON * magnitude
+}
+
+/// Appends a piece to a part, which keeps its own last point; the piece's weights are scaled to
+/// fit.
+fn append(part: &mut Vec<DVec4>, next: Vec<DVec4>) {
+    let scale = part[part.len() - 1].w / next[0].w;
+    part.extend(next.into_iter().skip(1).map(|point| scale * point));
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use glam::Vec3Swizzles;
+
+    use super::*;
+    use crate::geometry::shapes;
+    use crate::geometry::trim::{Kept, TrimCurve, TrimDomain, TrimLoop, Trims};
+
+    fn trimmed(surface: NurbsSurface, loops: &[TrimLoop]) -> TrimmedSurface {
+        let domain = TrimDomain::with_seams_of(&surface).unwrap();
+        TrimmedSurface::new(surface, Trims::new(domain, Kept::Even, loops).unwrap()).unwrap()
+    }
+
+    fn samples(curve: &NurbsCurve) -> Vec<DVec3> {
+        let (start, end) = curve.domain();
+        (0..=200).map(|k| curve.point_at(start + f64::from(k) / 200.0 * (end - start))).collect()
+    }
+
+    /// The graph z = x² y over [0, 3] × [0, 2] with knots at (1, 2) in u and 1 in v.
+    fn graph() -> NurbsSurface {
+        let (x, z) = ([0.0, 1.5, 3.0], [0.0, 0.0, 9.0]);
+        let point = |k: usize| {
+            let y = 2.0 * (k % 2) as f64;
+            DVec3::new(x[k / 2], y, z[k / 2] * y)
+        };
+        let points: Vec<DVec3> = (0..6).map(point).collect();
+        let u = KnotVector::new(2, vec![0.0, 0.0, 0.0, 3.0, 3.0, 3.0]).unwrap();
+        let v = KnotVector::new(1, vec![0.0, 0.0, 2.0, 2.0]).unwrap();
+        let surface = NurbsSurface::new(u, v, points, None).unwrap();
+        let surface = surface.insert_knot_u(1.0, 1).unwrap().insert_knot_u(2.0, 2).unwrap();
+        surface.insert_knot_v(1.0, 1).unwrap()
+    }
+
+    #[test]
+    fn edges_lie_on_a_graph_over_their_curves() {
+        let (center, radius) = (DVec2::new(1.4, 0.95), 0.7);
+        let circle = TrimLoop::circle(center, radius).unwrap();
+        let edges = trimmed(graph(), &[circle]).edge_curves().unwrap();
+        assert_eq!(edges.len(), 1);
+        assert_eq!(edges[0].knots().degree(), 6);
+        let (mut length, points) = (0.0, samples(&edges[0]));
+        for point in &points {
+            assert!((point.xy().distance(center) - radius).abs() < 1e-14, "{point}");
+            assert!((point.z - point.x * point.x * point.y).abs() < 2e-14, "{point}");
+        }
+        for pair in points.windows(2) {
+            length += pair[0].xy().distance(pair[1].xy());
+        }
+        assert!((length / (TAU * radius) - 1.0).abs() < 1e-3, "{length}");
+        assert!(points[0].distance(points[200]) < 1e-14);
+    }
+
+    /// A band around a cylinder, cut open at the seam or elsewhere, has two edges; a band that
+    /// reaches only part of the way around has its ends as edges, too.
+    #[test]
+    fn what_has_the_same_on_both_sides_is_no_edge() {
+        let cylinder = shapes::cylinder(2.0, 3.0).unwrap();
+        let [(u0, u1), (v0, v1)] = cylinder.domain();
+        for shift in [0.0, 0.25, -0.5, 3.0] {
+            let low = u0 + shift * (u1 - u0);
+            let at = |u: f64, v: f64| DVec2::new(low + u * (u1 - u0), v0 + v * (v1 - v0));
+            let band = [at(0.0, 0.25), at(1.0, 0.25), at(1.0, 0.75), at(0.0, 0.75)];
+            let edges = trimmed(cylinder.clone(), &[TrimLoop::polygon(&band).unwrap()]);
+            for edge in edges.edge_curves().unwrap() {
+                let (start, end) = edge.domain();
+                let heights =
+                    [0.0, 0.3, 0.8, 1.0].map(|t| edge.point_at(start + t * (end - start)).z);
+                let flat = heights.iter().all(|z| (z - heights[0]).abs() < 1e-14);
+                assert!(flat, "{shift}: along the seam, {heights:?}");
+                assert!([0.75, 2.25].iter().any(|z| (z - heights[0]).abs() < 1e-14), "{heights:?}");
+            }
+            let part = band.map(|uv| DVec2::new(low + 0.9 * (uv.x - low), uv.y));
+            let edges = trimmed(cylinder.clone(), &[TrimLoop::polygon(&part).unwrap()]);
+            let steep = edges.edge_curves().unwrap().into_iter().any(|edge| {
+                let (start, end) = edge.domain();
+                let middle = edge.point_at(0.5 * (start + end)).z;
+                (0..=100).any(|k| {
+                    let z = edge.point_at(start + f64::from(k) / 100.0 * (end - start)).z;
+                    (z - 1.5).abs() < 0.5 || (middle - 1.5).abs() < 0.5
+                })
+            });
+            assert!(steep, "{shift}: its ends are edges");
+        }
+    }
+
+    #[test]
+    fn loops_end_at_the_domain_s_border_and_cross_seams() {
+        // Half a circle is off the graph: one arc, from border to border.
+        let circle = TrimLoop::circle(DVec2::new(0.0, 1.0), 0.5).unwrap();
+        let edges = trimmed(graph(), &[circle]).edge_curves().unwrap();
+        assert_eq!(edges.len(), 1);
+        for end in edges[0].ends() {
+            assert!(end.x.abs() < 1e-15 && ((end.y - 1.0).abs() - 0.5).abs() < 1e-14, "{end}");
+        }
+        assert!(samples(&edges[0]).iter().all(|point| point.x >= -1e-15));
+
+        // A hole across the seam of a cylinder: the loop comes twice, and each copy is cut once.
+        let cylinder = shapes::cylinder(2.0, 3.0).unwrap();
+        let [(u0, u1), (v0, v1)] = cylinder.domain();
+        let center = DVec2::new(u0, 0.5 * (v0 + v1));
+        let hole = TrimLoop::circle(center, 0.1 * (u1 - u0)).unwrap();
+        let edges = trimmed(cylinder, &[hole]).edge_curves().unwrap();
+        assert_eq!(edges.len(), 2);
+        for point in edges.iter().flat_map(samples) {
+            assert!((point.xy().length() - 2.0).abs() < 4e-15, "{point}");
+        }
+        // Both end on the seam, each where the other begins.
+        let [a, b] = [edges[0].ends(), edges[1].ends()];
+        assert!(a[0].distance(b[1]) < 1e-14 && a[1].distance(b[0]) < 1e-14, "{a:?}, {b:?}");
+    }
+
+    #[test]
+    fn rational_surfaces_and_mixed_loops() {
+        // Lines and a cubic on a sphere of two rational bicubic pieces: S at the curve's points.
+        let sphere = shapes::sphere(1.0).unwrap();
+        let cubic = [[0.1, 0.3], [0.1, 0.9], [0.8, 0.9], [0.8, 0.3]].map(DVec2::from);
+        let curves = [
+            TrimCurve::bezier(&cubic, None).unwrap(),
+            TrimCurve::line(cubic[3], cubic[0]).unwrap(),
+        ];
+        let edges = trimmed(sphere.clone(), &[TrimLoop::new(&curves).unwrap()]);
+        let edges = edges.edge_curves().unwrap();
+        assert_eq!((edges.len(), edges[0].knots().degree()), (1, 18));
+        let on_edge = samples(&edges[0]);
+        for point in &on_edge {
+            assert!((point.length() - 1.0).abs() < 1e-13, "{point}");
+        }
+        // Dense points of the loop, each near one of the edge's, and the middle of the line.
+        let middle = sphere.point_at(0.45, 0.3);
+        let near = |at: DVec3| on_edge.iter().map(|p| p.distance(at)).fold(f64::INFINITY, f64::min);
+        assert!(near(middle) < 0.02, "{}", near(middle));
+        for k in 0..=50 {
+            let t = f64::from(k) / 50.0;
+            let points = crate::geometry::bernstein(3, t).unwrap();
+            let at: DVec2 = cubic.iter().zip(points).map(|(p, b)| b * *p).sum();
+            assert!(near(sphere.point_at(at.x, at.y)) < 0.03, "{at}");
+        }
+
+        // (5 + 5) · 4 is too much.
+        let plane = shapes::plane(1.0, 1.0).unwrap();
+        let high = plane.elevated_u(4).unwrap().elevated_v(4).unwrap();
+        let quartic = [[0.2, 0.2], [0.2, 0.9], [0.5, 0.9], [0.8, 0.9], [0.8, 0.2]].map(DVec2::from);
+        let curves = [
+            TrimCurve::bezier(&quartic, None).unwrap(),
+            TrimCurve::line(quartic[4], quartic[0]).unwrap(),
+        ];
+        let error = trimmed(high, &[TrimLoop::new(&curves).unwrap()]).edge_curves().unwrap_err();
+        assert_eq!(error.to_string(), "degree 40: degrees from 1 to 32 are supported");
+    }
+
+    #[test]
+    fn lines_of_constant_parameter_end_at_trims() {
+        let circle = TrimLoop::circle(DVec2::new(1.5, 1.0), 0.5).unwrap();
+        let island = TrimLoop::circle(DVec2::new(1.5, 1.0), 0.25).unwrap();
+        let sheet = trimmed(graph(), &[circle, island]);
+        let kept = |direction, at: f64| sheet.trims().kept_along(direction, at);
+        let close = |found: Vec<[f64; 2]>, expected: &[[f64; 2]]| {
+            assert_eq!(found.len(), expected.len(), "{found:?}");
+            for (a, b) in found.iter().flatten().zip(expected.iter().flatten()) {
+                assert!((a - b).abs() < 1e-15, "{found:?} for {expected:?}");
+            }
+        };
+        close(kept(Direction::U, 1.5), &[[0.0, 0.5], [0.75, 1.25], [1.5, 2.0]]);
+        close(kept(Direction::V, 1.0), &[[0.0, 1.0], [1.25, 1.75], [2.0, 3.0]]);
+        close(kept(Direction::U, 1.1), &[[0.0, 0.7], [1.3, 2.0]]);
+        close(kept(Direction::U, 0.5), &[[0.0, 2.0]]);
+        close(kept(Direction::V, 0.5), &[[0.0, 3.0]]); // it touches the circle
+        assert!(kept(Direction::U, 3.5).is_empty() && kept(Direction::V, f64::NAN).is_empty());
+
+        let curves = sheet.kept_curves(Direction::U, 1.5).unwrap();
+        assert_eq!(curves.len(), 3);
+        let [from, to] = curves[1].ends();
+        assert!(from.distance(DVec3::new(1.5, 0.75, 2.25 * 0.75)) < 1e-14, "{from}");
+        assert!(to.distance(DVec3::new(1.5, 1.25, 2.25 * 1.25)) < 1e-14, "{to}");
+
+        // Along edges, the kept part is closed; beyond them nothing is kept.
+        let square = [[1.0, 0.5], [2.0, 0.5], [2.0, 1.5], [1.0, 1.5]].map(DVec2::from);
+        let domain = TrimDomain::of(&graph()).unwrap();
+        let trims = Trims::new(domain, Kept::Odd, &[TrimLoop::polygon(&square).unwrap()]).unwrap();
+        assert_eq!(trims.kept_along(Direction::U, 1.0), [[0.5, 1.5]]);
+        assert_eq!(trims.kept_along(Direction::V, 1.5), [[1.0, 2.0]]);
+        assert!(trims.kept_along(Direction::V, 1.6).is_empty());
+    }
+}

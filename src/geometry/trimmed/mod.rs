@@ -1,0 +1,6 @@
+//! Trimmed NURBS surfaces.
+
+mod edge_curves;
+mod trimmed_surface;
+
+pub use trimmed_surface::TrimmedSurface;
