@@ -2,7 +2,7 @@
 
 use glam::{DVec3, DVec4};
 
-use super::fit::points_at;
+use super::grid::points_at;
 use super::tensor::euclidean_net;
 use super::{CollapsedSide, DyadicRect, Piece};
 use crate::math::Aabb;

@@ -6,8 +6,10 @@ use glam::DVec4;
 use rayon::prelude::*;
 
 use super::keeping::Keeping;
-use super::piece_net::{LONGEST, numbers_a_point};
-use super::powers::{self, ToPowers};
+use super::piece_net::numbers_a_point;
+use super::power_nets::{KeptPowers, MadePowers, Others};
+use super::powers;
+use super::spline_net::LONGEST;
 use super::{BezierNet, NetSource, PieceNet, SplineNet};
 use crate::geometry::trim::Trims;
 use crate::geometry::{BezierForm, Chart, ChartMap, Extractions, KnotVector, NurbsSurface};
@@ -46,64 +48,6 @@ enum Sums {
     Powers(KeptPowers),
     /// Power form: nets that are made on demand.
     PowersOf(Box<MadePowers>),
-}
-
-/// Pieces that are not well conditioned, whose sums stay in Bernstein form: the rows and columns in
-/// which they begin, in order.
-#[derive(Debug)]
-struct Others(Vec<[u32; 2]>);
-
-impl Others {
-    /// Whether they are fewer than half of this many pieces.
-    fn are_few(&self, count: usize) -> bool {
-        2 * self.0.len() < count
-    }
-
-    #[inline(always)]
-    fn contain(&self, first: [u32; 2]) -> bool {
-        !self.0.is_empty() && self.0.binary_search(&first).is_ok()
-    }
-}
-
-/// The power nets of pieces, and the Bézier points of those that are not well conditioned.
-#[derive(Debug)]
-struct KeptPowers {
-    numbers: Vec<f64>,
-    others: Others,
-}
-
-/// Power nets that are made on demand.
-#[derive(Debug)]
-struct MadePowers {
-    /// How they are made, by the row and the column in which pieces begin: the shares of
-    /// [`ToPowers`], one piece after another.
-    along: [Vec<f64>; 2],
-    degree: [usize; 2],
-    others: Others,
-}
-
-impl KeptPowers {
-    fn bytes(&self) -> usize {
-        size_of::<Self>() + size_of_val(&self.numbers[..]) + size_of_val(&self.others.0[..])
-    }
-}
-
-impl MadePowers {
-    /// How the net of a piece is made, if it is well conditioned.
-    #[inline(always)]
-    fn of(&self, first: [u32; 2]) -> Option<[ToPowers<'_>; 2]> {
-        let along = |k: usize| {
-            let length = self.degree[k] * (self.degree[k] + 1);
-            ToPowers::new(&self.along[k][length * first[k] as usize..][..length])
-        };
-        let suits = !self.others.contain(first);
-        suits.then(|| [along(0), along(1)])
-    }
-
-    fn bytes(&self) -> usize {
-        let along: usize = self.along.iter().map(|some| size_of_val(&some[..])).sum();
-        size_of::<Self>() + along + size_of_val(&self.others.0[..])
-    }
 }
 
 /// Homogeneous control points `(w x, w y, w z, w)`; a weight that all have in common is kept once.
@@ -338,18 +282,12 @@ impl ChartNet {
         match self.extraction.as_deref() {
             None => NetSource::Kept(points),
             Some(extraction) => {
-                NetSource::Spline(SplineNet::new((self, extraction), points, first))
+                let made = match &self.sums {
+                    Sums::PowersOf(made) => Some(&**made),
+                    _ => None,
+                };
+                NetSource::Spline(SplineNet::new((self.degree, extraction), made, points, first))
             }
-        }
-    }
-
-    /// What makes the power net of a piece from the control points that govern it, if it is made
-    /// that way.
-    #[inline(always)]
-    pub(super) fn to_powers(&self, first: [u32; 2]) -> Option<[ToPowers<'_>; 2]> {
-        match &self.sums {
-            Sums::PowersOf(made) => made.of(first),
-            _ => None,
         }
     }
 

@@ -1,28 +1,14 @@
 //! Bicubic approximations of leaves.
 
-use std::ops::{AddAssign, Mul};
-
 use glam::{DVec3, DVec4};
 
 use super::Piece;
+use super::bicubic::{Fit, NO_WEIGHT, WeightFit, in_both_directions, second_derivatives};
 use super::fit_error::{BLOSSOM, FitError};
+use super::grid::points_at;
 use super::part::PartNet;
 use super::powers::powers;
 use super::tensor::euclidean;
-use crate::math::bernstein;
-
-/// Coefficients of `xⁱ yʲ`, at `4 i + j`, coordinate by coordinate.
-pub(crate) type Fit = [[f32; 16]; 3];
-
-/// Coefficients of the weight that a [`Fit`] is divided by, at the same places: the first is 1.
-pub(crate) type WeightFit = [f32; 16];
-
-/// The weight of an approximation that is not divided: 1.
-pub(super) const NO_WEIGHT: WeightFit = {
-    let mut weight = [0.0; 16];
-    weight[0] = 1.0;
-    weight
-};
 
 /// Weights are approximated where they are at most this many times the weight in the middle of the
 /// leaf, and at least one over that, everywhere that the bounds of [`FitError`] hold.
@@ -172,18 +158,6 @@ impl Quotient {
     }
 }
 
-/// The second derivatives of a quotient in the middle, where its numerators are zero and its weight
-/// is 1: by `xx`, `xy` and `yy`, from the coefficients of these and of `x` and `y`.
-#[inline(always)]
-pub(super) fn second_derivatives([x, y]: [DVec4; 2], [xx, xy, yy]: [DVec4; 3]) -> [DVec3; 3] {
-    let (s_x, s_y) = (x.truncate(), y.truncate());
-    [
-        2.0 * xx.truncate() - 2.0 * x.w * s_x,
-        xy.truncate() - x.w * s_y - y.w * s_x,
-        2.0 * yy.truncate() - 2.0 * y.w * s_y,
-    ]
-}
-
 /// Rounds the coefficients of numerators and weights to f32, except the first.
 fn rounded(coefficients: &[[DVec4; 4]; 4]) -> (Fit, WeightFit) {
     let (mut fit, mut weight) = (Fit::default(), NO_WEIGHT);
@@ -216,68 +190,6 @@ const NODES: [f64; 4] = {
 
 /// Takes values at the nodes to power coefficients.
 const INTERPOLATION: [[f64; 4]; 4] = interpolation(NODES);
-
-/// The points of a net's surface at each pair of these places.
-pub(super) fn points_at<const M: usize>(
-    places: [f64; M],
-    degree: [usize; 2],
-    net: &[DVec4],
-) -> [[DVec3; M]; M] {
-    // The same sums with as much room for basis functions as the degrees need.
-    match degree[0].max(degree[1]) {
-        0..=3 => sums_at::<M, 4>(places, degree, net),
-        4..=7 => sums_at::<M, 8>(places, degree, net),
-        _ => sums_at::<M, { bernstein::MAX_DEGREE + 1 }>(places, degree, net),
-    }
-}
-
-fn sums_at<const M: usize, const N: usize>(
-    places: [f64; M],
-    [p, q]: [usize; 2],
-    net: &[DVec4],
-) -> [[DVec3; M]; M] {
-    let bases = |degree: usize| places.map(|place| bernstein::basis(degree, place));
-    let in_s: [[f64; N]; M] = bases(p);
-    let in_t = if p == q { in_s } else { bases(q) };
-    let mut values = [[DVec3::ZERO; M]; M];
-    for (values, in_s) in values.iter_mut().zip(&in_s) {
-        let mut sums = [DVec4::ZERO; M];
-        for j in 0..=q {
-            let mut row = DVec4::ZERO;
-            for i in 0..=p {
-                row += in_s[i] * net[i * (q + 1) + j];
-            }
-            for (sum, in_t) in sums.iter_mut().zip(&in_t) {
-                *sum += in_t[j] * row;
-            }
-        }
-        *values = sums.map(|sum| sum.truncate() / sum.w);
-    }
-    values
-}
-
-/// A linear map of four numbers applied to the columns of a net, then to its rows.
-pub(super) fn in_both_directions<V>(matrix: &[[f64; 4]; 4], net: &[[V; 4]; 4]) -> [[V; 4]; 4]
-where
-    V: Copy + Default + AddAssign,
-    f64: Mul<V, Output = V>,
-{
-    let mut columns = [[V::default(); 4]; 4];
-    let mut both = columns;
-    for i in 0..4 {
-        for a in 0..4 {
-            for b in 0..4 {
-                columns[i][b] += matrix[i][a] * net[a][b];
-            }
-        }
-        for j in 0..4 {
-            for b in 0..4 {
-                both[i][j] += matrix[j][b] * columns[i][b];
-            }
-        }
-    }
-    both
-}
 
 /// The matrix that takes values at four nodes to power coefficients: column `a` holds the
 /// coefficients of the Lagrange polynomial that is 1 at node `a`.

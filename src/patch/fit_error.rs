@@ -37,7 +37,7 @@ use glam::{DVec3, DVec4};
 use smallvec::SmallVec;
 
 use super::Piece;
-use super::fit::{Fit, in_both_directions};
+use super::bicubic::{Fit, in_both_directions};
 use super::part::PartNet;
 use crate::math::bernstein::binomials;
 

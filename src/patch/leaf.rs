@@ -2,31 +2,18 @@
 
 use glam::{DVec2, DVec3};
 
+use super::bicubic::{Fit, NO_WEIGHT, WeightFit, second_derivatives};
 use super::field::Net;
-use super::fit::{Approximation, Fit, NO_WEIGHT, WeightFit, second_derivatives};
+use super::fit::Approximation;
 use super::fit_error::REACHES;
 use super::oriented_box::Axes;
 use super::part::PartNet;
 use super::rounded::{Up8, Up16};
 use super::{
-    Certificate, CollapsedSide, DyadicRect, FIT_DOMAIN, FitError, OrientedBox, Part, Piece,
-    ScaledFrame,
+    BORDER_REACH, Certificate, CollapsedSide, DyadicRect, FIT_DOMAIN, FitError, LEAF_SLACK,
+    OrientedBox, Part, Piece, ScaledFrame,
 };
 use crate::math::{prefetch, rounding};
-
-/// A leaf answers for roots a little outside its rectangle, by this part of its side, so
-/// that a root on the line between two leaves is not lost to rounding in both.
-pub(crate) const LEAF_SLACK: f64 = 1e-3;
-
-/// A hit is at a border if it is within this many errors of it: enough for a ray that passes the
-/// border at half an error and a root that is off by one, since distances from parameters only
-/// approximate those in space. (Fast kernels check the hits within twice as much, see
-/// [`Leaf::near_border`].)
-pub(crate) const BORDER_REACH: f64 = 4.0;
-
-/// A leaf's certificate holds on its rectangle widened by this part of its sides: Newton's steps
-/// may stray there. With a wider rectangle, it would hold for fewer rays.
-pub(crate) const WIDENING: f64 = 0.02;
 
 /// A part of a piece that is flat enough to search, in the common form that all leaves have,
 /// whatever the degree: four cache lines.

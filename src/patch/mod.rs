@@ -21,6 +21,7 @@
 
 mod apexes;
 mod bend;
+mod bicubic;
 mod certificate;
 mod chart_net;
 mod collapsed_side;
@@ -28,6 +29,7 @@ mod field;
 mod fit;
 mod fit_error;
 mod frame;
+mod grid;
 mod keeping;
 mod leaf;
 mod leaves;
@@ -36,10 +38,13 @@ mod part;
 mod piece;
 mod piece_net;
 mod pole_normal;
+mod power_nets;
 mod powers;
 mod rect;
 mod rounded;
 mod set;
+mod slack;
+mod spline_net;
 mod tangent_pairs;
 mod tangents;
 mod tensor;
@@ -64,23 +69,25 @@ fn mapped(net: &[DVec4], change: impl Fn(DVec4) -> DVec4) -> BezierNet {
     mapped
 }
 
+pub(crate) use bicubic::WeightFit;
 pub(crate) use certificate::{CLEAR, Certificate, SURELY};
 pub use collapsed_side::CollapsedSide;
-pub(crate) use fit::{MOST_WEIGHT, WeightFit};
+pub(crate) use fit::MOST_WEIGHT;
 pub(crate) use fit_error::{FIT_DOMAIN, FitError};
 pub(crate) use frame::PADDING;
 pub(crate) use frame::{ScaledBox, ScaledFrame};
 pub use leaf::Leaf;
-pub(crate) use leaf::{BORDER_REACH, LEAF_SLACK, WIDENING};
 pub(crate) use oriented_box::{OrientedBox, Passage};
 pub(crate) use part::Part;
 pub(crate) use piece::BESIDE_COLLAPSED;
 pub use piece::Piece;
-pub(crate) use piece_net::{LONGEST, LONGEST_OF_CUBIC, NetRoom, NetSource, PieceNet, SplineNet};
+pub(crate) use piece_net::PieceNet;
 pub(crate) use powers::{MOST_DEGREE as MOST_DEGREE_BY_POWERS, ToPowers};
 pub(crate) use rect::DyadicRect;
 pub(crate) use set::SetId;
 pub use set::{BuildError, PatchSet};
+pub(crate) use slack::{BORDER_REACH, LEAF_SLACK, WIDENING};
+pub(crate) use spline_net::{LONGEST, LONGEST_OF_CUBIC, NetRoom, NetSource, SplineNet};
 pub use tensor::{Jet, TensorPatch};
 pub(crate) use tiles::GroupedParts;
 pub(crate) use tiles::MOST_TOGETHER;

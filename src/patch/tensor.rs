@@ -6,8 +6,8 @@ use glam::{DVec2, DVec3, DVec4};
 use smallvec::SmallVec;
 
 use super::chart_net::ChartNet;
-use super::piece_net::LONGEST_OF_CUBIC;
 use super::rounded::Up32;
+use super::spline_net::LONGEST_OF_CUBIC;
 use super::{BezierNet, NetRoom, NetSource, PieceNet};
 use crate::geometry::SurfaceDerivatives;
 use crate::math::bernstein::{self, Basis};

@@ -4,6 +4,7 @@ use glam::DVec3;
 use smallvec::{SmallVec, smallvec};
 
 use super::same_place::{at_one_place, reach_along};
+use super::sides::{has_no_normal, same_side, touches};
 use super::vertices;
 use crate::intersect::HitFlags;
 use crate::intersect::roots::meeting::Meeting;
@@ -140,45 +141,6 @@ fn doubt_half_touches(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) {
         if !whole {
             meetings[k].flags.insert(HitFlags::DOUBTFUL);
         }
-    }
-}
-
-/// The cosine below which the ray of a doubtful meeting may touch the surface.
-const GRAZING: f64 = 1e-4;
-
-/// It may also touch the surface if the square of the cosine is less than this many times the error
-/// over the size of the piece: if the radius of curvature is an eighth of that size, and the ray is
-/// off by four times the error.
-const BENT: f64 = 64.0;
-
-/// Whether the ray of a meeting may touch the surface: such a meeting counts for either side.
-///
-/// A doubtful meeting that is steep has one side. (At a corner of a piece whose tangents there have
-/// one line, as where a crease of a limit surface runs on smoothly, nothing is proved. Where it is
-/// not known which way the ray goes through the surface there, the meeting's cosine is zero: see
-/// [`Spot::has_one_side`](crate::intersect::roots::spot::Spot::has_one_side).)
-pub(super) fn touches(meeting: &Meeting) -> bool {
-    if meeting.is_certain() || has_no_normal(meeting) {
-        return false;
-    }
-    let jet = &meeting.jet;
-    let size = jet.ds.length().max(jet.dt.length());
-    let is_bent = meeting.cosine.powi(2) * size < BENT * meeting.error;
-    meeting.cosine.abs() < GRAZING || is_bent
-}
-
-/// Whether the surface has no normal there, nor a limit of normals: it runs to a cusp or a crease.
-/// (At an apex, a meeting has the limit along its ruling.)
-pub(super) fn has_no_normal(meeting: &Meeting) -> bool {
-    meeting.normal.is_none()
-}
-
-/// Whether the ray passes through the surface in the same direction at both meetings, as far as is
-/// known. Without a normal it is unknown: it matches only other views without one.
-fn same_side(a: &Meeting, b: &Meeting) -> bool {
-    match (has_no_normal(a), has_no_normal(b)) {
-        (false, false) => a.cosine * b.cosine > 0.0 || touches(a) || touches(b),
-        (a, b) => a == b,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::merge::has_no_normal;
+use super::sides::has_no_normal;
 use crate::intersect::HitFlags;
 use crate::intersect::roots::meeting::Meeting;
 use crate::patch::{Jet, Piece};

@@ -15,8 +15,8 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::faces::Face;
-use super::merge::{has_no_normal, touches};
 use super::same_place::{Reach, at_one_place, reach_along};
+use super::sides::{has_no_normal, touches};
 use crate::intersect::HitFlags;
 use crate::intersect::roots::meeting::Meeting;
 use crate::patch::Piece;

@@ -2,8 +2,8 @@
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 
-use super::rays::Packet;
 use crate::intersect::wide::box_ray::{BOX_SPARE, LEAST_SLOPE};
+use crate::intersect::wide::lane_rays::ScaledRays;
 use crate::intersect::wide::vectors::load3;
 use crate::patch::OrientedBox;
 
@@ -24,13 +24,13 @@ pub(crate) struct BoxCrossing<S: Simd> {
 pub(crate) fn cross_box<S: Simd>(
     simd: S,
     oriented: &OrientedBox,
-    packet: &Packet,
+    scaled: &ScaledRays,
     base: usize,
 ) -> BoxCrossing<S> {
-    let origin = load3(simd, &packet.scaled.origin, base);
-    let axis = load3(simd, &packet.scaled.axis, base);
-    let near = f32x16::from_slice(simd, &packet.scaled.near[base..base + 16]);
-    let far = f32x16::from_slice(simd, &packet.scaled.far[base..base + 16]);
+    let origin = load3(simd, &scaled.origin, base);
+    let axis = load3(simd, &scaled.axis, base);
+    let near = f32x16::from_slice(simd, &scaled.near[base..base + 16]);
+    let far = f32x16::from_slice(simd, &scaled.far[base..base + 16]);
     let mut entry = f32x16::splat(simd, f32::MIN);
     let mut exit = f32x16::splat(simd, f32::MAX);
     let (one, least) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, LEAST_SLOPE));

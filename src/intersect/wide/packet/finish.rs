@@ -11,7 +11,7 @@ use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::nearest::comes_first;
 use crate::intersect::wide::search::distances::widened;
 use crate::intersect::wide::search::newton::{Converged, Ends, Rays, Verdict, newton};
-use crate::intersect::wide::surface::jets::OneNet;
+use crate::intersect::wide::surface::sums::OneNet;
 use crate::intersect::wide::trimmed::{Places, kept_in_window};
 use crate::intersect::wide::vectors::{Lanes3, dot_d, load3d};
 use crate::intersect::wide::{PACKET, trimmed};

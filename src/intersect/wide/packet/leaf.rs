@@ -4,12 +4,12 @@ use fearless_simd::{Simd, SimdBase, f32x16};
 use fearless_simd_macros::simd;
 
 use super::box_crossing::{BoxCrossing, cross_box};
-use super::doubts::settle;
 use super::finish::{Done, away_from_pole, finish_all};
 use super::load::{farthest, find_planes};
 use super::rays::Packet;
 use super::read_ahead::{Ahead, Moment};
 use super::screening::screen;
+use super::settle::settle;
 use super::target::{Closer, Ground, Target};
 use super::work::Work;
 use crate::intersect::tree::nodes::LANES;
@@ -17,7 +17,7 @@ use crate::intersect::wide::PACKET;
 use crate::intersect::wide::proof::certified::certify;
 use crate::intersect::wide::proof::screen::Screened;
 use crate::intersect::wide::reach::WIDENED;
-use crate::intersect::wide::surface::jets::OneNet;
+use crate::intersect::wide::surface::sums::OneNet;
 use crate::intersect::wide::vectors::lane_bits;
 use crate::intersect::wide::view::BvhView;
 use crate::math::rounding;
@@ -74,7 +74,7 @@ fn next_group<S: Simd>(
         if base >= packet.count.min(PACKET) {
             return None;
         }
-        let crossing = cross_box(simd, oriented, packet, base);
+        let crossing = cross_box(simd, oriented, &packet.scaled, base);
         if lane_bits(crossing.met) != 0 {
             return Some((base, crossing));
         }
@@ -194,7 +194,7 @@ fn start_here<S: Simd>(
     certain: u32,
 ) -> u32 {
     let certified = [target.certified(simd); 2];
-    let starting = certain & packet.starts_in(simd, base, target.leaf.piece, &certified);
+    let starting = certain & packet.starts.are_in(simd, base, target.leaf.piece, &certified);
     match target.pole {
         Some(pole) if starting != 0 => {
             starting & away_from_pole(simd, target, pole, (packet, base))

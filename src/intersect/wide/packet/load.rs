@@ -45,7 +45,7 @@ pub(crate) fn load<S: Simd, Q: Shot>(
         leave_out(packet, far_off);
     }
     packet.rays.planes_known = false;
-    packet.start_on_roots(shots, view.set);
+    packet.starts.take(shots, view.set);
     packet.scaled.bounds = bounds(simd, packet, 0..PACKET);
     packet.scaled.farthest = farthest(simd, packet);
 }

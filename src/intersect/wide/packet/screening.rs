@@ -80,7 +80,7 @@ mod tests {
         dispatch!(Level::new(), simd => {
             load(simd, &mut packet, queries, &view);
             find_planes(simd, &mut packet);
-            let crossing = cross_box(simd, &oriented, &packet, 0);
+            let crossing = cross_box(simd, &oriented, &packet.scaled, 0);
             let factor = target.piece.patch.residual_factor();
             let magnitude = f32x16::splat(simd, 1e2);
             let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));

@@ -4,12 +4,12 @@ use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
 use super::apart::ALL;
-use super::doubts::settle;
 use super::leaf::search_leaf;
 use super::load::{change_to, load};
 use super::outline::{Outline, outline};
 use super::rays::Packet;
 use super::read_ahead::{Ahead, Moment};
+use super::settle::settle;
 use super::shared_bounds::{enter, enter_block};
 use super::work::Work;
 use crate::intersect::Shot;

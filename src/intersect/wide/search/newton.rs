@@ -6,7 +6,7 @@ use fearless_simd_macros::simd;
 
 use super::convergence::{COARSEST, MOST_ROUNDED, MOST_STEPS, PART_OF_ERROR};
 use crate::intersect::wide::reach::WITH_SLACK;
-use crate::intersect::wide::surface::jets::Jets;
+use crate::intersect::wide::surface::sums::Jets;
 use crate::intersect::wide::vectors::{cross_d, dot_d, sum_of_sizes};
 
 /// The largest accepted bound, in radians, of the normal's error after a last step; above it the

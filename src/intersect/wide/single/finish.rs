@@ -18,8 +18,8 @@ use crate::intersect::wide::search::convergence::{
     COARSEST, MOST_ROUNDED, MOST_STEPS, PART_OF_ERROR,
 };
 use crate::intersect::wide::surface::form::{Form, with_degrees, with_numbers};
-use crate::intersect::wide::surface::jets::OneNet;
 use crate::intersect::wide::surface::power_lines::LONG;
+use crate::intersect::wide::surface::sums::OneNet;
 use crate::intersect::wide::view::Fitted;
 use crate::math::bernstein::MAX_DEGREE;
 

@@ -2,7 +2,7 @@
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x4, mask64x4};
 
-use crate::intersect::wide::surface::jets::OneNet;
+use crate::intersect::wide::surface::sums::OneNet;
 use crate::math::bernstein::binomials;
 use crate::patch::TensorPatch;
 

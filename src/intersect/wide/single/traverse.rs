@@ -30,8 +30,8 @@ use crate::intersect::wide::nearest::{Kept, is_cut_off, keep};
 use crate::intersect::wide::proof::one_ray::isolate;
 use crate::intersect::wide::reach::WIDENED;
 use crate::intersect::wide::search::one_ray::Distances;
-use crate::intersect::wide::surface::jets::OneNet;
 use crate::intersect::wide::surface::spline_net::RecentNets;
+use crate::intersect::wide::surface::sums::OneNet;
 use crate::intersect::wide::view::{BvhView, Fitted};
 use crate::math::bits::set_bits;
 

@@ -7,8 +7,9 @@ use super::pairs::{Outcomes, PairLanes, eight};
 use crate::intersect::wide::frames::Frames;
 use crate::intersect::wide::reach::WIDENED;
 use crate::intersect::wide::search::newton::{Ends, Leaves, Rays, Step, newton};
-use crate::intersect::wide::surface::jets::{Jets, jets};
+use crate::intersect::wide::surface::jets::jets;
 use crate::intersect::wide::surface::lane_net::LaneNet;
+use crate::intersect::wide::surface::sums::Jets;
 
 impl PairLanes {
     /// Takes Newton's steps in f64 for one half of the pairs.

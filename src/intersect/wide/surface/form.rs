@@ -1,9 +1,8 @@
 //! The form of a piece's sums: their degrees, how many numbers a point has, and of which functions
 //! they are.
 
-use super::lane_net::MOST_DEGREE;
 use crate::math::bernstein;
-use crate::patch::TensorPatch;
+use crate::patch::{MOST_DEGREE_BY_POWERS, TensorPatch};
 
 /// The degrees of a piece, whether its weights differ, and whether its sums are made by powers.
 /// Pieces of one form can be searched side by side.
@@ -13,6 +12,9 @@ pub(crate) struct Form {
     pub rational: bool,
     pub by_powers: bool,
 }
+
+/// The nets of pieces of higher degrees are too large to hold eight of them side by side.
+pub(super) const MOST_DEGREE: usize = MOST_DEGREE_BY_POWERS;
 
 const _: () = assert!(bernstein::MAX_DEGREE <= u8::MAX as usize);
 

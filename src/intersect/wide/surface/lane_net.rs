@@ -3,19 +3,14 @@
 use fearless_simd::{Simd, SimdBase, SimdMask, f64x8, mask64x8};
 use fearless_simd_macros::simd;
 
-use super::form::Form;
-use super::jets::Net;
+use super::form::{Form, MOST_DEGREE};
 use super::power_lines::{LONG, Lines, Shares, coefficients, make_lines};
 use super::spline_net::make;
+use super::sums::Net;
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::frames::transposed;
 use crate::math::bits::has;
-use crate::patch::{
-    MOST_DEGREE_BY_POWERS, NetRoom, NetSource, Piece, PieceNet, TensorPatch, ToPowers,
-};
-
-/// The nets of pieces of higher degrees are too large to hold eight of them side by side.
-pub(super) const MOST_DEGREE: usize = MOST_DEGREE_BY_POWERS;
+use crate::patch::{NetRoom, NetSource, Piece, PieceNet, TensorPatch, ToPowers};
 
 /// How many numbers the largest net has.
 const MOST_NUMBERS: usize = 4 * (MOST_DEGREE + 1) * (MOST_DEGREE + 1);

@@ -11,3 +11,4 @@ pub(super) mod lane_net;
 pub(super) mod power_lines;
 mod power_sums;
 pub(super) mod spline_net;
+pub(super) mod sums;

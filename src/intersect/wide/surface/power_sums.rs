@@ -6,7 +6,7 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use fearless_simd_macros::simd;
 
 use super::form::{Form, with_degrees};
-use super::jets::{Jets, Net, Sums, in_space};
+use super::sums::{Jets, Net, Sums, in_space};
 
 /// [`jets`](super::jets::jets), with unrolled loops for the most common degrees.
 #[simd]
@@ -111,8 +111,9 @@ mod tests {
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface};
     use crate::intersect::Kernel;
-    use crate::intersect::wide::surface::jets::{self, OneNet};
+    use crate::intersect::wide::surface::jets;
     use crate::intersect::wide::surface::spline_net::RecentNets;
+    use crate::intersect::wide::surface::sums::OneNet;
     use crate::math::bernstein::{self, Basis};
     use crate::math::testing::same_cases;
     use crate::patch::{PatchSet, TensorPatch};

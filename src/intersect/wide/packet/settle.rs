@@ -1,0 +1,158 @@
+//! Rays and leaves that were put aside: examined sixteen pairs at a time.
+
+use fearless_simd::{Simd, SimdBase, f32x16, u8x64, u32x16};
+use fearless_simd_macros::simd;
+
+use super::doubts::{Doubt, Taken};
+use super::finish::{Done, finish_all};
+use super::load::farthest;
+use super::rays::Packet;
+use super::target::{Ground, Target};
+use super::work::Work;
+use crate::intersect::tree::nodes::LANES;
+use crate::intersect::wide::box_ray::BOX_SPARE;
+use crate::intersect::wide::proof::bounds::{GROWN, START_GROWN};
+use crate::intersect::wide::proof::lane_parts::bytes_of;
+use crate::intersect::wide::proof::lanes::{LaneProof, Parts};
+use crate::intersect::wide::surface::spline_net::RecentNets;
+use crate::intersect::wide::surface::sums::OneNet;
+use crate::intersect::wide::view::BvhView;
+use crate::math::bits::set_bits;
+
+/// Examines the pairs that were put aside, sixteen at a time, as long as there are at least `least`
+/// of them.
+#[simd]
+pub(super) fn settle<S: Simd>(
+    simd: S,
+    view: &BvhView<'_>,
+    packet: &mut Packet,
+    work: &mut Work,
+    least: usize,
+) {
+    let mut found = false;
+    while work.doubts.count() >= least {
+        let taken = work.doubts.take(simd);
+        let room = (&mut work.parts, &mut work.nets);
+        let done = settle_sixteen(simd, view, packet, &taken, room);
+        found |= done.found;
+        work.statistics.newton_iterations += u64::from(done.steps);
+        for place in set_bits(done.undecided) {
+            let Doubt { ray, leaf, .. } = taken.pairs[place];
+            work.leave(ray, 1, leaf);
+        }
+    }
+    if found {
+        packet.scaled.farthest = farthest(simd, packet);
+    }
+}
+
+/// Searches the leaves part by part, as far as the rays' own proofs go. Returns the outcome for the
+/// pairs, a bit each: some are undecided, all others done with.
+#[simd]
+fn settle_sixteen<S: Simd>(
+    simd: S,
+    view: &BvhView<'_>,
+    packet: &mut Packet,
+    taken: &Taken<S>,
+    (parts, nets): (&mut Parts, &mut RecentNets),
+) -> Done {
+    let Taken { pairs, count, distances, errors, lengths } = taken;
+    let mut asked = 0;
+    for (lane, pair) in pairs[..*count].iter().enumerate() {
+        // Something nearer may have been found since.
+        let beyond = pair.entry > packet.scaled.far[pair.ray] + BOX_SPARE;
+        asked |= u32::from(!beyond) << lane;
+    }
+    let mut all = Done::default();
+    let mut proof = LaneProof::new(simd, (distances, parts), *lengths, *errors, asked);
+    while let Some((part, lanes)) = proof.next() {
+        let lanes = lanes & !all.undecided;
+        if lanes == 0 {
+            continue;
+        }
+        let domain = part.widened(simd, GROWN);
+        let start = part.widened(simd, START_GROWN);
+        let near = distances.refine(simd, &distances.newton(simd, part.middle, domain));
+        // Pairs of one leaf and the same sixteen rays are finished together.
+        let (mut left, mut unconverged) = (lanes, 0);
+        while left != 0 {
+            let Doubt { ray, leaf, .. } = pairs[left.trailing_zeros() as usize];
+            let base = ray / LANES * LANES;
+            let group = Group::of(pairs, left, (leaf, base));
+            left &= !group.places;
+            let bytes = group.bytes(simd);
+            let oriented = view.tree.oriented(leaf);
+            let target = Target::new(view, &oriented, leaf);
+            let mut wanted = group.lanes;
+            if packet.starts.exist {
+                // If a ray starts in its part, the part's one root is the root it starts on.
+                let start = moved(start, bytes);
+                let start =
+                    [target.parameters(simd, &start, 0), target.parameters(simd, &start, 1)];
+                wanted &= !packet.starts.are_in(simd, base, target.leaf.piece, &start);
+                if wanted == 0 {
+                    continue;
+                }
+            }
+            let near = [near[0].swizzle_dyn(bytes), near[1].swizzle_dyn(bytes)];
+            let ground = Ground::Own(moved(domain, bytes));
+            let patch = &target.piece.patch;
+            let net = nets.net_of(simd, (target.leaf.piece, patch));
+            let surface = OneNet { patch, net };
+            let about = (&target, &target.closer(), &surface);
+            let done = finish_all(simd, about, (&mut *packet, base), (wanted, ground), &near);
+            all.found |= done.found;
+            all.steps += done.steps;
+            all.undecided |= group.places_of(done.undecided);
+            unconverged |= group.places_of(done.unconverged);
+        }
+        // Rays that are led out of the part may be proved to miss its halves.
+        proof.go_on(&part, unconverged);
+    }
+    all.undecided |= proof.undecided;
+    all
+}
+
+/// Pairs of one leaf and the same sixteen rays.
+struct Group {
+    /// The places of these pairs among all pairs, a bit each.
+    places: u32,
+    /// Their rays, a bit each.
+    lanes: u32,
+    /// The place of each ray's pair.
+    place: [u32; LANES],
+}
+
+impl Group {
+    /// The pairs of this leaf and these rays among `places`.
+    fn of(pairs: &[Doubt; LANES], places: u32, (leaf, base): (u32, usize)) -> Self {
+        let mut group = Self { places: 0, lanes: 0, place: [0; LANES] };
+        for at in set_bits(places) {
+            let pair = &pairs[at];
+            if pair.leaf == leaf && pair.ray / LANES * LANES == base {
+                group.places |= 1 << at;
+                group.lanes |= 1 << (pair.ray - base);
+                group.place[pair.ray - base] = at as u32;
+            }
+        }
+        group
+    }
+
+    /// The byte indices that put the pairs' numbers into the order of their rays.
+    #[inline(always)]
+    fn bytes<S: Simd>(&self, simd: S) -> u8x64<S> {
+        bytes_of(simd, u32x16::from_slice(simd, &self.place))
+    }
+
+    /// The places of the pairs of some rays.
+    fn places_of(&self, lanes: u32) -> u32 {
+        set_bits(lanes & self.lanes).fold(0, |places, lane| places | 1 << self.place[lane])
+    }
+}
+
+/// Permutes the lanes of numbers.
+#[inline(always)]
+fn moved<S: Simd>(of: [[f32x16<S>; 2]; 2], bytes: u8x64<S>) -> [[f32x16<S>; 2]; 2] {
+    let [[a, b], [c, d]] = of;
+    [[a.swizzle_dyn(bytes), b.swizzle_dyn(bytes)], [c.swizzle_dyn(bytes), d.swizzle_dyn(bytes)]]
+}
