@@ -225,6 +225,7 @@ const fn interpolation(nodes: [f64; 4]) -> [[f64; 4]; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::bernstein;
 
     #[test]
     fn bicubic_maps_are_fitted_exactly() {

@@ -1,13 +1,12 @@
 //! The scene as written: plain data, with the places errors will name.
 
-use std::fmt;
 use std::sync::Arc;
 
 use glam::DVec3;
 
 use super::{
-    Construction, FigureSpec, Light, Material, NamedShape, Net, Place, PlotSpec, RenderDefaults,
-    Rgb, Subdivision, Transform, TriangleNet, TrimSpec, UnknownName, Written,
+    Construction, FigureSpec, ImportNote, Light, Material, NamedShape, Net, Place, PlotSpec,
+    RenderDefaults, Rgb, Subdivision, Transform, TriangleNet, TrimSpec, UnknownName, Written,
 };
 use crate::geometry::Surface;
 
@@ -189,22 +188,5 @@ impl Lens {
 impl Default for Lens {
     fn default() -> Self {
         Self::Perspective { fov: None }
-    }
-}
-
-/// Something in a file that is not shown as it is written there.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ImportNote {
-    /// Where it is.
-    pub place: Place,
-    /// What it is.
-    pub what: String,
-    /// Why it is not shown.
-    pub why: String,
-}
-
-impl fmt::Display for ImportNote {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        super::place::with_place(f, &self.place, &format_args!("{}: {}", self.what, self.why))
     }
 }

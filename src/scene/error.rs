@@ -7,12 +7,12 @@ use thiserror::Error;
 use super::place::with_place;
 use super::{
     CameraError, ImportNote, LightError, LoopSense, PictureError, Place, PlotError, TransformError,
-    TrimCurveFault, UnknownName,
+    UnknownName,
 };
 use crate::geometry::construct::ConstructError;
 use crate::geometry::shapes::ShapeError;
-use crate::geometry::trim::TrimError;
-use crate::geometry::{LimitError, MoveError, SurfaceError, TriangleError};
+use crate::geometry::trim::{TrimCurveError, TrimError};
+use crate::geometry::{CurveError, LimitError, MoveError, SurfaceError, TriangleError};
 use crate::intersect::BuildError;
 
 /// Why a scene cannot be shown, and where its author wrote the fault.
@@ -263,6 +263,18 @@ pub enum SceneFault {
     /// The surfaces cannot be prepared.
     #[error("{0}")]
     Build(BuildError),
+}
+
+/// Why a curve of a loop cannot trim.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum TrimCurveFault {
+    /// It is not a curve.
+    #[error(transparent)]
+    Curve(#[from] CurveError),
+    /// It is not a curve in (u, v).
+    #[error(transparent)]
+    Trim(#[from] TrimCurveError),
 }
 
 /// A comma before `direction u: …`, a colon before the rest.

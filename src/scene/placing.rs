@@ -2,8 +2,9 @@
 
 use glam::DAffine3;
 
+use super::made::Made;
 use super::transform::placed;
-use super::workshop::{Made, Workshop};
+use super::workshop::{Others, Workshop};
 use super::{Object, Part, Scene, SceneError, SceneFault, Shape, TrimSpec, Written};
 use crate::geometry::construct::{ConstructError, ControlNet};
 use crate::geometry::shapes::ShapeError;
@@ -88,49 +89,12 @@ impl Placer<'_> {
             }
             Shape::Built(construction, written) => {
                 let place = &part.place;
-                let shop = Workshop { surface: name, place, written, placer: self };
+                let most_points = self.most_points;
+                let shop = Workshop { surface: name, place, written, most_points, others: self };
                 return shop.make(construction);
             }
         };
         Ok(vec![surface.into()])
-    }
-
-    /// The surfaces of the object of this name, in their places, for the object `drawn` that
-    /// draws them.
-    pub(super) fn surfaces_of(
-        &self,
-        drawn: &str,
-        of: &Written<String>,
-    ) -> Result<Vec<Surface>, SceneError> {
-        let object = self.drawn_object(drawn, of)?;
-        let made = self.surfaces(&of.value, object)?;
-        Ok(made.into_iter().map(|(_, made)| made.surface).collect())
-    }
-
-    /// The control nets of the object of this name, in their places. Limit surfaces are not made
-    /// for that, as their nets are their cages.
-    pub(super) fn nets_of(
-        &self,
-        drawn: &str,
-        of: &Written<String>,
-        (steps, blamed): (usize, impl Fn(ConstructError) -> SceneError),
-    ) -> Result<Vec<ControlNet>, SceneError> {
-        let object = self.drawn_object(drawn, of)?;
-        let world_from_object = affine(&of.value, object)?;
-        let mut nets = Vec::new();
-        for part in &object.parts {
-            if let Shape::Subdivision(subdivision) = &part.shape {
-                let cage = subdivision.cage_after(steps).map_err(&blamed)?;
-                nets.push(cage.control_net().transformed(&world_from_object));
-                continue;
-            }
-            if steps > 0 {
-                return Err(blamed(ConstructError::NoSteps));
-            }
-            let made = self.place(&of.value, part, (object, &world_from_object))?;
-            nets.extend(made.iter().map(|made| made.surface.control_net()));
-        }
-        Ok(nets)
     }
 
     /// All surfaces of an object, which errors call `called`: in their places, and turned if the
@@ -175,6 +139,39 @@ impl Placer<'_> {
             return Err(fails(SceneFault::DrawsDrawn { object, of }));
         }
         Ok(object)
+    }
+}
+
+impl Others for Placer<'_> {
+    fn surfaces_of(&self, drawn: &str, of: &Written<String>) -> Result<Vec<Surface>, SceneError> {
+        let object = self.drawn_object(drawn, of)?;
+        let made = self.surfaces(&of.value, object)?;
+        Ok(made.into_iter().map(|(_, made)| made.surface).collect())
+    }
+
+    fn nets_of(
+        &self,
+        drawn: &str,
+        of: &Written<String>,
+        steps: usize,
+        blamed: &dyn Fn(ConstructError) -> SceneError,
+    ) -> Result<Vec<ControlNet>, SceneError> {
+        let object = self.drawn_object(drawn, of)?;
+        let world_from_object = affine(&of.value, object)?;
+        let mut nets = Vec::new();
+        for part in &object.parts {
+            if let Shape::Subdivision(subdivision) = &part.shape {
+                let cage = subdivision.cage_after(steps).map_err(blamed)?;
+                nets.push(cage.control_net().transformed(&world_from_object));
+                continue;
+            }
+            if steps > 0 {
+                return Err(blamed(ConstructError::NoSteps));
+            }
+            let made = self.place(&of.value, part, (object, &world_from_object))?;
+            nets.extend(made.iter().map(|made| made.surface.control_net()));
+        }
+        Ok(nets)
     }
 }
 

@@ -1,37 +1,14 @@
-//! Plots as written, and checked.
+//! Plots, checked.
 
 use glam::DVec3;
 
-use super::curve::CurveFault;
+use super::plot_spec::{MAX_FUNCTIONS, MAX_LINES, MAX_ROUNDS, MAX_TEETH};
+use super::plotted_curve::blame;
 use super::{
-    BasisSpec, CurveKind, CurveSpec, ObjectSpec, Place, PlotError, PlottedBasis, PlottedSurface,
-    Scene, SceneError, SceneFault, Written,
+    CurveEntry, CurveKind, CurveSpec, Place, Plane, PlotError, PlotKind, PlotSpec, PlottedBasis,
+    PlottedCurve, PlottedSurface, Scene, SceneError, SceneFault, Written,
 };
-use crate::geometry::{
-    CornerCutting, CurveError, KnotVector, MatrixForm, NurbsCurve, PolygonEnds, RationalBasis,
-};
-
-/// How the plots of a scene lie in one picture, as far as the author says.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct FigureSpec {
-    /// Width and height of the picture in pixels.
-    pub size: Option<Written<[u32; 2]>>,
-    /// How many plots lie side by side.
-    pub columns: Option<Written<usize>>,
-}
-
-/// A plot as written, not yet checked.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlotSpec {
-    /// Where it was written.
-    pub place: Place,
-    /// What stands above it.
-    pub title: Option<String>,
-    /// The coordinates of space that are shown; those its curves vary most in if not given.
-    pub plane: Option<Plane>,
-    /// What is drawn.
-    pub show: PlotKind<CurveSpec, BasisSpec, ObjectSpec>,
-}
+use crate::geometry::{CornerCutting, CurveError, NurbsCurve, PolygonEnds};
 
 /// A plot whose numbers have been checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,179 +23,8 @@ pub struct Plot {
 
 impl Plot {
     /// The most functions of a basis: no screen shows more.
-    pub const MAX_FUNCTIONS: usize = 1000;
+    pub const MAX_FUNCTIONS: usize = MAX_FUNCTIONS;
 }
-
-/// Two coordinates of space: the one to the right and the one upwards.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Plane {
-    /// x and y.
-    Xy,
-    /// x and z.
-    Xz,
-    /// y and z.
-    Yz,
-}
-
-/// What a plot can show of curves `C`, basis functions `B` and surfaces `S`, as written or
-/// checked.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum PlotKind<C, B, S> {
-    /// Curves in space.
-    Curves(Vec<CurveEntry<C>>),
-    /// The basis functions over a knot vector.
-    Basis(B),
-    /// The functions that blend the four vectors of a matrix form, on `[0, 1]`.
-    Blending(MatrixForm),
-    /// The coordinates of a curve's first derivative, and the speed, over the parameter.
-    Derivatives(C),
-    /// The curvature of a curve over the parameter.
-    Curvature(C),
-    /// A curve with teeth across it, as long as its curvature.
-    Comb {
-        /// The curve.
-        curve: C,
-        /// How many teeth each of its spans has.
-        teeth: usize,
-        /// The length of a tooth for curvature 1; chosen to fit if not given.
-        scale: Option<f64>,
-    },
-    /// The control polygons of a curve while knots are inserted.
-    Insertion {
-        /// The curve.
-        curve: C,
-        /// The knots, one after the other.
-        knots: Vec<Written<f64>>,
-    },
-    /// The control polygons of a curve while its degree is raised.
-    Elevation {
-        /// The curve.
-        curve: C,
-        /// How often.
-        times: Written<usize>,
-    },
-    /// The points of de Casteljau's algorithm, or of de Boor's where the curve has several
-    /// pieces.
-    DeCasteljau {
-        /// The curve.
-        curve: C,
-        /// The parameter of the point that is constructed.
-        t: Written<f64>,
-    },
-    /// Polygons whose corners are cut, with the limit.
-    CornerCutting {
-        /// The polygon.
-        polygon: Vec<DVec3>,
-        /// The rule.
-        scheme: CornerCutting,
-        /// Whether it closes.
-        ends: PolygonEnds,
-        /// How often corners are cut.
-        rounds: usize,
-    },
-    /// The trim loops of a surface in its (u, v), and what they keep; once checked, of one surface.
-    Trims(S),
-    /// Surfaces in space: borders, trim edges, curves of constant parameter.
-    Surfaces {
-        /// The surfaces.
-        of: S,
-        /// How many curves there are between two borders in each direction, between the
-        /// borders of faces where a cage has faces.
-        lines: usize,
-        /// Whether control nets are drawn, too.
-        net: bool,
-    },
-}
-
-/// One of several curves in a plot.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CurveEntry<C> {
-    /// The curve.
-    pub curve: C,
-    /// What the legend calls it.
-    pub label: Option<String>,
-    /// Whether its control polygon is drawn.
-    pub polygon: bool,
-    /// Whether its knots are marked.
-    pub knots: bool,
-}
-
-/// A curve to plot, whose weights may be zero.
-#[derive(Clone, Debug, PartialEq)]
-pub enum PlottedCurve {
-    /// A NURBS curve.
-    Nurbs(NurbsCurve),
-    /// A curve that some control points have no influence on.
-    Weighted {
-        /// The basis with its weights.
-        basis: RationalBasis,
-        /// The control points.
-        points: Vec<DVec3>,
-    },
-}
-
-impl From<NurbsCurve> for PlottedCurve {
-    fn from(curve: NurbsCurve) -> Self {
-        Self::Nurbs(curve)
-    }
-}
-
-impl PlottedCurve {
-    /// The knots.
-    pub fn knots(&self) -> &KnotVector {
-        match self {
-            Self::Nurbs(curve) => curve.knots(),
-            Self::Weighted { basis, .. } => basis.knots(),
-        }
-    }
-
-    /// The control points in space.
-    pub fn points(&self) -> Vec<DVec3> {
-        match self {
-            Self::Nurbs(curve) => {
-                (0..curve.control().len()).map(|index| curve.point(index)).collect()
-            }
-            Self::Weighted { points, .. } => points.clone(),
-        }
-    }
-
-    /// The weights of the control points.
-    pub fn weights(&self) -> Vec<f64> {
-        match self {
-            Self::Nurbs(curve) => curve.control().iter().map(|point| point.w).collect(),
-            Self::Weighted { basis, .. } => basis.weights().to_vec(),
-        }
-    }
-
-    /// The point at a parameter of the domain.
-    pub fn point_at(&self, t: f64) -> DVec3 {
-        match self {
-            Self::Nurbs(curve) => curve.point_at(t),
-            // There are as many points as weights: `None` does not occur.
-            Self::Weighted { basis, points } => basis.point(points, t).unwrap_or(DVec3::NAN),
-        }
-    }
-
-    /// The curve, if all its weights are positive.
-    pub fn nurbs(&self) -> Option<&NurbsCurve> {
-        match self {
-            Self::Nurbs(curve) => Some(curve),
-            Self::Weighted { .. } => None,
-        }
-    }
-}
-
-/// The most rounds of corner cutting: each doubles the polygon, and after ten no screen shows what
-/// another one changes.
-pub(super) const MAX_ROUNDS: usize = 10;
-
-/// The most teeth a span's comb may have: more would be closer together than any screen shows.
-pub(super) const MAX_TEETH: usize = 1000;
-
-/// The most curves of a surface in one direction: more would be closer together than any screen
-/// shows.
-pub(super) const MAX_LINES: usize = 1000;
 
 type Surfaces = Vec<PlottedSurface>;
 
@@ -379,24 +185,5 @@ impl Checker<'_> {
     /// A curve whose weights must be positive: the only one of its plot.
     fn nurbs(&self, spec: &CurveSpec) -> Result<PlottedCurve, SceneError> {
         spec.curve().map(PlottedCurve::Nurbs).map_err(|fault| blame(&self.name, "curve", fault))
-    }
-}
-
-pub(super) fn blame(plot: &str, which: &str, fault: CurveFault) -> SceneError {
-    let (plot, which) = (plot.to_owned(), which.to_owned());
-    let (place, error) = match fault {
-        CurveFault::Curve(place, error) => (place, PlotError::Curve { which, error }),
-        CurveFault::Transform(place, error) => (place, PlotError::Transform { which, error }),
-    };
-    SceneError::new(place, SceneFault::Plot { plot, error })
-}
-
-impl CurveSpec {
-    /// Returns the curve for a plot, which errors call `plot`.
-    ///
-    /// # Errors
-    /// When its numbers do not make a curve.
-    pub fn plotted(&self, plot: &str) -> Result<PlottedCurve, SceneError> {
-        self.curve().map(PlottedCurve::Nurbs).map_err(|fault| blame(plot, "curve", fault))
     }
 }

@@ -2,8 +2,7 @@
 
 use thiserror::Error;
 
-use super::Plot;
-use super::plot::{MAX_LINES, MAX_ROUNDS, MAX_TEETH};
+use super::plot_spec::{MAX_FUNCTIONS, MAX_LINES, MAX_ROUNDS, MAX_TEETH};
 use super::{TransformError, UnknownName};
 use crate::geometry::CurveError;
 use crate::math::Counted;
@@ -49,7 +48,7 @@ pub enum PlotError {
         weights: usize,
     },
     /// More functions than can be drawn.
-    #[error("basis: {count} functions: at most {} can be drawn", Plot::MAX_FUNCTIONS)]
+    #[error("basis: {count} functions: at most {MAX_FUNCTIONS} can be drawn")]
     Functions {
         /// How many there are.
         count: usize,

@@ -4,18 +4,9 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use super::curve::CurveFault;
 use super::placing::Placer;
-use super::plot::blame;
-use super::{CurveKind, LoopKind, LoopSpec, Part, Place, PlotError, Scene, SceneError, Written};
+use super::plotted_curve::blame;
+use super::{CurveKind, LoopKind, LoopSpec, ObjectSpec, Part, Place, PlotError, Scene, SceneError};
 use crate::geometry::{NurbsCurve, Surface};
-
-/// The surfaces of an object to plot, as written.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ObjectSpec {
-    /// The object's name.
-    pub of: Written<String>,
-    /// Which of its surfaces, counted from 0, if not all.
-    pub surface: Option<Written<usize>>,
-}
 
 /// A surface to plot.
 #[derive(Clone, Debug, PartialEq)]

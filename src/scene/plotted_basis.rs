@@ -1,27 +1,11 @@
-//! Basis functions to plot, as written and checked.
+//! Basis functions to plot.
 
 use super::net::{evenly_spaced, knot_vector, wrapped};
-use super::{Knots, Place, Plot, PlotError, SceneError, Written};
+use super::plot_spec::MAX_FUNCTIONS;
+use super::{BasisSpec, Knots, Place, PlotError, SceneError};
 use crate::geometry::{
     BasisFunctions, CurveError, KnotError, KnotVector, MAX_DEGREE, RationalBasis, periodic_values,
 };
-
-/// Basis functions as written.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BasisSpec {
-    /// The degree.
-    pub degree: usize,
-    /// The knots.
-    pub knots: Written<Knots>,
-    /// The number of functions, where neither knots nor weights give it.
-    pub count: Option<usize>,
-    /// The weights; all 1 if not given.
-    pub weights: Option<Written<Vec<f64>>>,
-    /// Whether functions are drawn off the domain, too, wherever they do not vanish.
-    pub support: bool,
-    /// Which derivative of the functions is drawn; the functions themselves if not given.
-    pub derivative: Option<Written<usize>>,
-}
 
 /// Basis functions to plot.
 #[derive(Clone, Debug, PartialEq)]
@@ -173,7 +157,7 @@ impl BasisSpec {
             _ => listed.map(|knots| knots.saturating_sub(degree.saturating_add(1))),
         });
         let count = count.ok_or((&knots.place, PlotError::NoCount))?;
-        if count > Plot::MAX_FUNCTIONS {
+        if count > MAX_FUNCTIONS {
             return Err((&knots.place, PlotError::Functions { count }));
         }
         Ok(count)

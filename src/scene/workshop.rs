@@ -4,29 +4,12 @@ use std::collections::HashMap;
 
 use super::curve::CurveFault;
 use super::drawn::{control_nets, iso_curves, iso_lines, trim_curves};
-use super::placing::Placer;
+use super::made::Made;
 use super::{Construction, CurveSpec, Place, SceneError, SceneFault, Written};
 use crate::geometry::construct::{
     self, Axis, Borders, Component, ComponentKind, ConstructError, ControlNet, DirectionOf, Sweep,
 };
 use crate::geometry::{CurveError, Direction, NurbsCurve, Surface, SurfaceError, TriangleSide};
-
-/// A surface made, and how far it is from what was asked for.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Made {
-    /// What it is called within its object; may be empty.
-    pub(super) name: String,
-    pub(super) surface: Surface,
-    /// A bound of the distance in space; 0 where it is exact.
-    pub(super) deviation: f64,
-}
-
-impl<S: Into<Surface>> From<S> for Made {
-    /// A surface that is exactly what was asked for, the only one.
-    fn from(surface: S) -> Self {
-        Self { name: String::new(), surface: surface.into(), deviation: 0.0 }
-    }
-}
 
 /// Makes the surfaces of one part, and knows its name and its place for errors.
 pub(super) struct Workshop<'a> {
@@ -36,8 +19,25 @@ pub(super) struct Workshop<'a> {
     pub(super) place: &'a Place,
     /// Where its numbers were written, by their keys.
     pub(super) written: &'a [Written<&'static str>],
-    /// Finds other objects' surfaces.
-    pub(super) placer: &'a Placer<'a>,
+    /// The most control points that may be drawn: many times as many as are written.
+    pub(super) most_points: usize,
+    pub(super) others: &'a dyn Others,
+}
+
+/// Finds what constructions draw of other objects, which they name.
+pub(super) trait Others {
+    /// An object's surfaces, in their places, for the object `drawn` that draws them.
+    fn surfaces_of(&self, drawn: &str, of: &Written<String>) -> Result<Vec<Surface>, SceneError>;
+
+    /// An object's control nets, in their places. Limit surfaces are not made for that, as their
+    /// nets are their cages after some steps; `blamed` gives the error of those its place.
+    fn nets_of(
+        &self,
+        drawn: &str,
+        of: &Written<String>,
+        steps: usize,
+        blamed: &dyn Fn(ConstructError) -> SceneError,
+    ) -> Result<Vec<ControlNet>, SceneError>;
 }
 
 impl Workshop<'_> {
@@ -58,7 +58,7 @@ impl Workshop<'_> {
     }
 
     fn made(&self, what: &Construction) -> Result<Vec<Made>, SceneError> {
-        let most_points = self.placer.most_points;
+        let most_points = self.most_points;
         let pieces = match what {
             Construction::Revolution { profile, through, axis, degrees } => {
                 let profile = self.curve("profile", profile)?;
@@ -113,16 +113,16 @@ impl Workshop<'_> {
                 numbered(self.checked(construct::control_net(&net, style))?)
             }
             Construction::Net { of, steps, style } => {
-                let asked = (*steps, |error| self.blamed(error));
-                let nets = self.placer.nets_of(self.surface, of, asked)?;
+                let blamed = |error| self.blamed(error);
+                let nets = self.others.nets_of(self.surface, of, *steps, &blamed)?;
                 numbered(self.checked(control_nets(&nets, style, most_points))?)
             }
             Construction::TrimCurves { of, style } => {
-                let surfaces = self.placer.surfaces_of(self.surface, of)?;
+                let surfaces = self.others.surfaces_of(self.surface, of)?;
                 numbered(self.checked(trim_curves(&surfaces, style, most_points))?)
             }
             Construction::IsoCurves { of, u, v, w, style } => {
-                let surfaces = self.placer.surfaces_of(self.surface, of)?;
+                let surfaces = self.others.surfaces_of(self.surface, of)?;
                 let lines = iso_lines([u, v, w]);
                 numbered(self.checked(iso_curves(&surfaces, &lines, style, most_points))?)
             }

@@ -2,10 +2,10 @@
 
 use super::framing::{BoundingSphere, default_lights};
 use super::light::check_amount;
+use super::made::Made;
 use super::palette::Palette;
 use super::placing::Placer;
 use super::unique_names::{Naming, check_unique, joined};
-use super::workshop::Made;
 use super::{
     Camera, Light, Material, Object, Place, RenderDefaults, Rgb, Scene, SceneError, SceneFault,
     Written,
