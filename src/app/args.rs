@@ -3,6 +3,7 @@
 mod bench;
 mod compare;
 mod count;
+mod help;
 mod plot;
 mod values;
 
@@ -63,7 +64,7 @@ pub(crate) enum Command {
 
 /// `nurbray render`.
 #[derive(Debug, Args)]
-#[command(after_help = super::render::HELP)]
+#[command(after_help = help::RENDER)]
 pub(crate) struct RenderArguments {
     /// Scene (.toml) or bare model (.json, .obj)
     pub(crate) input: PathBuf,
@@ -262,16 +263,20 @@ pub(crate) struct CastArguments {
     pub(crate) json: bool,
 }
 
+/// The largest number of rays of one audit: at least a day's work. Except for rays with faults,
+/// what an audit keeps of its rays does not grow with their number.
+pub(crate) const MAX_RAYS: u64 = 1_000_000_000;
+
 /// `nurbray audit`.
 #[derive(Debug, Args)]
-#[command(after_help = super::audit::HELP)]
+#[command(after_help = help::AUDIT)]
 pub(crate) struct AuditArguments {
     /// Scene (.toml) or bare model (.json, .obj)
     pub(crate) input: PathBuf,
 
     /// How many rays, of all classes together
     #[arg(long, value_name = "N", default_value_t = 100_000,
-        value_parser = count::<u64>(1..=super::audit::MAX_RAYS))]
+        value_parser = count::<u64>(1..=MAX_RAYS))]
     pub(crate) rays: u64,
 
     /// Which rays: the same seed makes the same rays, on any number of threads
@@ -293,7 +298,7 @@ pub(crate) struct AuditArguments {
 
 /// `nurbray info`.
 #[derive(Debug, Args)]
-#[command(after_help = super::info::HELP)]
+#[command(after_help = help::INFO)]
 pub(crate) struct InfoArguments {
     /// Scene (.toml) or bare model (.json, .obj)
     pub(crate) input: PathBuf,

@@ -23,59 +23,6 @@ use super::{console, input};
 use facts::{Facts, SurfaceFacts};
 use gaps::Gap;
 
-/// The text that `--help` prints after the options.
-pub(crate) const HELP: &str = "\
-Gaps: each border of each surface is sampled at 33 points or more, no farther
-apart than about 1/32 of its length, and each point's nearest point on every
-other border is found by Newton's method. Two borders run side by side where at
-least a quarter of the length of one is near the other: within 1e-3 of the size
-of the object they belong to (for borders of two objects, within 1e-3 of the
-larger one's size and 1e-2 of the smaller one's), and within 1/20 of the shorter
-border's length. They meet if none of these points is farther off than rounding,
-4 (p + q + 4) 2^-53 M for each surface. Else the largest distance is listed as a
-gap, through which rays may pass; it is measured from points of one border that
-no other border meets. Gaps that are shorter than the distance between samples
-may be missed. A knot of multiplicity p + 1 within a domain makes two borders,
-as the surface may jump there. Trim edges are borders from corner to corner.
-Parts of borders that trims cut off do not count, nor parts along which a trim
-edge runs, nor do the parts of one tube, ribbon or net, which run into each
-other.
-
-Bounds: the tight boxes of the surfaces themselves, not of their control points
-or leaves, to 1e-12 of their size (1e-9 where a surface touches its box along a
-curve askew to u and v). The box of a trimmed surface holds its leaves, as far
-as they lie in the rectangle of u and v around what is kept; leaves at an edge
-may reach beyond it.
-
-With --json one object:
-  input, build_seconds
-  surfaces       a list, in the order hits count them: index, name, material,
-                 degree [p, q], rational, size [nu, nv] (control points; null
-                 for triangles and subdivision surfaces), domain
-                 [[u0, u1], [v0, v1]], pieces, leaves, bytes (of its control
-                 points, trims, pieces and leaves), bounds [min, max],
-                 collapsed_edges (a list: edge, point), deviation (how far it
-                 may be from what the scene asks for, in units of the scene: 0,
-                 or measured where a sweep is approximated, or proved where a
-                 subdivision surface is), patches (null, or of a subdivision
-                 surface all, exact), trims (null, or keep, loops,
-                 loops_outside (as written, that run outside the domain
-                 only), segments, widest_gap (that was closed between the
-                 curves of a loop, as a part of its extent), bytes,
-                 mixed_leaves: those at an edge)
-  total          surfaces, control_points, pieces, leaves, bytes (with the
-                 hierarchy), bounds
-  borders        total, trim_edges (of these), collapsed, meeting,
-                 nearly_meeting, free
-  edges_left_out a list of surfaces whose trim edges are not among these, with
-                 the reason: surface, why
-  gaps           a list, the widest first: surfaces [i, j], edges, width,
-                 relative (to the size of the bounding box), at [x, y, z]
-  not_imported   a list: file, line, column (null where unknown), what, why
-
-Example:
-  nurbray info scenes/teapot.toml";
-
 /// Runs the subcommand.
 pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
     let scene = input::read(&arguments.input)?;

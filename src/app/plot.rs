@@ -34,24 +34,6 @@ use super::{console, input, output};
 use panel::Panel;
 use svg::Unable;
 
-/// The text that `--help` prints after the options.
-pub(crate) const HELP: &str = "\
-A scene says with [[plot]] tables what to draw: curves with control polygons and
-knots, basis and blending functions, derivatives and curvature, knot insertion,
-degree elevation, de Casteljau's and de Boor's construction, corner cutting, the
-trims of a surface, surfaces as lines in space. It then needs no [[object]]. A scene
-without any [[plot]], or a bare model, gets the plots that suit it: the curves
-its surfaces are made from, their trims, the basis functions over their knots
-(up to 1000 of a kind), and triangular and subdivision surfaces, and those with
-more functions each way, as lines in space.
-
-The plots of one scene lie side by side in one picture; [figure] says how, and
-how large it is. Curves are drawn to within 0.1 pixel. The same input gives the
-same bytes.
-
-Example:
-  nurbray plot scenes/note_circles.toml -o circles.svg -o circles.png";
-
 /// The longest side of a picture in pixels: what image programs open, and what fits in memory.
 const MAX_SIDE: u32 = 8192;
 

@@ -21,54 +21,6 @@ use super::table::count;
 use super::{console, input, output, threads};
 use picture::{Format, Picture};
 
-/// The text that `--help` prints after the options.
-pub(crate) const HELP: &str = "\
-A bare model is framed and lit by default: the camera stands in front, to the
-right and above, a key, a fill and a little ambient light go with it. Give
---look-from, --fov and the like to move it.
-
-What a pixel shows (--integrator):
-  direct      diffuse surfaces in the light of all lights, with shadows
-  normal      the normal n as the surface orients it, as the colour (n + 1) / 2
-  uv          u as red, v as green, from 0 to 1 over the surface's domain
-  depth       the distance along the ray, from white to dark grey over the model
-  id          a colour for each surface
-  iterations  the work of each ray, from black over red and yellow to white
-All but direct are black where nothing is hit (iterations: where nothing was
-done).
-
-R, G, B and A of an EXR: linear light, a mean over all samples; A is the share of
-those that hit something. Of the rest, with direct, the background
-(nurbray:background in the header; 0,0,0 there with the others) is part of R, G, B
-already: subtract (1 - A) times that before you put the picture over another one.
-
-What an EXR holds besides, the AOVs (--aov chooses):
-  Z       distance from the camera (of an orthographic one: from its film) to the
-          hit, along the ray, in scene units; infinite where nothing is hit
-  P       the point hit, in the scene's coordinates; 0 where nothing is hit
-  N       unit normal S_u x S_v there, as the surface is oriented, not turned
-          towards the camera; 0 where nothing is hit, or there is no normal
-  uv      (u, v) there, in the surface's own knot domain; 0 where nothing is hit
-  id      which surface was hit, counted from 0 as `nurbray info` lists them;
-          -1 where nothing is hit
-  Albedo  the share of light sent back, a mean over all samples; misses count as 0
-All except Albedo describe one hit: that of the pixel's first sample that hits.
-
-With --crop, an EXR keeps the whole picture as its display window and holds the
-crop's pixels as its data window; a PNG holds the crop's pixels only.
-
-Samples depend on --seed, the pixel, the sample's number and the dimension only:
-crops and sample ranges are the same pixels as the whole picture, on any number
-of threads. An EXR holds means over its own samples; its header says how many
-(nurbray:spp) and which (nurbray:samples, as A..B). To join the EXRs of several
-ranges of one picture, weight R, G, B, A and Albedo with nurbray:spp and divide
-by the sum; the other channels describe the first sample that hits, so take each
-pixel's from the lowest range with a finite Z there. (The library's Film::merge
-does so without rounding.)
-
-Example:
-  nurbray render scenes/teapot.toml -o teapot.exr -o teapot.png --size 1024x768 --spp 64";
-
 /// Progress is counted in thousandths, since only the renderer knows the number of tiles; no bar
 /// is wider.
 const PROGRESS_STEPS: u64 = 1000;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::geomdl::{Model, read_geomdl};
 use super::load_error::{LoadError, LoadFault};
-use super::nearby::nearest_file;
+use super::nearby::{nearest_file, stem};
 use super::obj::{CageModel, read_obj_cage};
 use super::scene_toml::read_scene;
 use super::source::Source;
@@ -83,11 +83,6 @@ fn read_cage(text: &str, label: &str) -> Result<Model, LoadError> {
     let shape = Shape::Subdivision(Arc::new(shape));
     let part = Part { name: String::new(), place: Place::file(label), shape, trims: None };
     Ok(Model { parts: vec![part], notes })
-}
-
-/// The name of a file without its folder and ending.
-pub(super) fn stem(path: &Path) -> String {
-    path.file_stem().map_or_else(|| "model".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
 /// Returns a model that several objects may use; only the first of them gets its notes.

@@ -1,4 +1,4 @@
-//! Suggestions for a path that leads nowhere.
+//! Names of files, and suggestions for a path that leads nowhere.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -34,6 +34,11 @@ pub(super) fn nearest_file(path: &Path, endings: &[&str]) -> Option<PathBuf> {
     let meant = nearest(&wanted, &known)?;
     let name = names.iter().find(|name| stem(name).as_deref() == Some(meant))?;
     Some(path.with_file_name(name))
+}
+
+/// The name of a file without its folder and ending.
+pub(super) fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "model".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
 #[cfg(test)]

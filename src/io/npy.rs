@@ -2,17 +2,16 @@
 
 use std::fs::File;
 use std::io::{self, BufReader, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 use npyz::{Deserialize, NpyFile, NpyHeader, Order, WriterBuilder};
-use thiserror::Error;
 
 use super::nearby::nearest_file;
+use super::npy_error::NpyError;
 use super::npy_header::read_header;
-use super::quoted::{DidYouMean, NoStandardInput, Quoted, WhyUnread};
 use super::{WriteError, write_atomically};
-use crate::math::{Counted, Ray, RayError};
+use crate::math::Ray;
 
 /// A table of numbers, row after row.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,80 +35,6 @@ impl Table {
     pub fn rows(&self) -> impl ExactSizeIterator<Item = &[f64]> {
         self.values.chunks_exact(self.columns)
     }
-}
-
-/// Why a file cannot be read as a table.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum NpyError {
-    /// The system refuses.
-    #[error(
-        "cannot read {}: {}{}{}",
-        Quoted(path), WhyUnread(reason), DidYouMean(.nearest.as_deref()), NoStandardInput(path)
-    )]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// An existing file that may have been meant, if this one does not exist.
-        nearest: Option<PathBuf>,
-        /// What the system says.
-        reason: io::Error,
-    },
-    /// The file does not begin as a NumPy file does.
-    #[error("{}: not a NumPy .npy file: {found}", .path.display())]
-    Header {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        found: String,
-    },
-    /// The numbers are of another kind.
-    #[error("{}: found numbers of type {found}, needed float64 or float32 (array.astype('f8'))", .path.display())]
-    Kind {
-        /// The file.
-        path: PathBuf,
-        /// The type in NumPy's notation.
-        found: String,
-    },
-    /// The array has another shape.
-    #[error("{}: found an array of shape {found}, needed {needed}", .path.display())]
-    Shape {
-        /// The file.
-        path: PathBuf,
-        /// The shape, as NumPy writes it.
-        found: String,
-        /// The shapes that would do.
-        needed: String,
-    },
-    /// The header promises more numbers than are possible.
-    #[error("{}: the header tells of an array of {found} numbers: it is damaged", .path.display())]
-    Absurd {
-        /// The file.
-        path: PathBuf,
-        /// How many, in the words of the header.
-        found: String,
-    },
-    /// The file ends too early.
-    #[error("{}: found {} of data, needed {needed}: the file is cut short", .path.display(), Counted(usize::try_from(*.found).unwrap_or(usize::MAX), "byte"))]
-    Truncated {
-        /// The file.
-        path: PathBuf,
-        /// The bytes after the header.
-        found: u64,
-        /// The bytes the header promises.
-        needed: u64,
-    },
-    /// A row is not a ray.
-    #[error("{}: row {row}, counted from 0: {reason}", .path.display())]
-    Ray {
-        /// The file.
-        path: PathBuf,
-        /// The row, counted from 0.
-        row: usize,
-        /// What is wrong with it.
-        #[source]
-        reason: RayError,
-    },
 }
 
 /// Reads rays: float64 or float32 of shape `(n, 6)`, origin and direction, or `(n, 8)` with

@@ -200,6 +200,7 @@ mod knot_list;
 mod objects;
 mod plots;
 mod slips;
+mod transforms;
 mod trims;
 mod values;
 

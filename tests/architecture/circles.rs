@@ -37,29 +37,37 @@ impl<'f> Modules<'f> {
         Self { files, exported }
     }
 
-    /// What modules of a folder use of each other, where that leads in a circle. What a folder's
-    /// own file holds does not count: it may use the modules below it, and they what it holds.
-    ///
-    /// # Panics
-    /// If no module of the folder uses another: it is misspelt, or need not be watched.
-    pub(crate) fn circles(&self, name: &str) -> Vec<String> {
-        let folder = module_of(name);
-        let mut uses: BTreeMap<(String, String), String> = BTreeMap::new();
-        for (module, file) in &self.files {
-            let Some(own) = below(&folder, module) else { continue };
-            for path in used(module, &code_of(file)) {
-                let from = self.module_with(path.clone());
-                let Some(other) = below(&folder, &from) else { continue };
-                if own != other {
-                    let what = format!("{}/{} uses {}", file.folder, file.path, path.join("::"));
-                    uses.insert((own.clone(), other.clone()), what);
-                }
-            }
-        }
-        assert!(!uses.is_empty(), "no module of {name} uses another");
+    /// What modules of any one folder use of each other, where that leads in a circle. What a
+    /// folder's own file holds does not count: it may use the modules below it, and they what it
+    /// holds.
+    pub(crate) fn circles(&self) -> Vec<String> {
+        let folders: BTreeSet<&[String]> =
+            self.files.keys().filter_map(|module| Some(module.split_last()?.1)).collect();
+        folders.into_iter().flat_map(|folder| self.circles_of(folder)).collect()
+    }
+
+    fn circles_of(&self, folder: &[String]) -> Vec<String> {
+        let uses = self.uses(folder);
         let edges: BTreeSet<&(String, String)> = uses.keys().collect();
         let closed = uses.iter().filter(|((own, other), _)| reaches(&edges, other, own));
         closed.map(|(_, what)| what.clone()).collect()
+    }
+
+    /// Which modules of a folder use which others, with an example each.
+    fn uses(&self, folder: &[String]) -> BTreeMap<(String, String), String> {
+        let mut uses = BTreeMap::new();
+        for (module, file) in &self.files {
+            let Some(own) = below(folder, module) else { continue };
+            for path in used(module, &code_of(file)) {
+                let from = self.module_with(path.clone());
+                let Some(other) = below(folder, &from) else { continue };
+                if own != other {
+                    let what = format!("{}/{} uses {}", file.folder, file.path, path.join("::"));
+                    uses.insert((own.clone(), other), what);
+                }
+            }
+        }
+        uses
     }
 
     /// The module that an item is defined in.
@@ -209,16 +217,16 @@ fn trees_of_paths_are_taken_apart() {
 
 #[test]
 fn circles_are_found() {
-    let circles = |files: &[(&str, &str)], folder: &str| {
+    let circles = |files: &[(&str, &str)]| {
         let files: Vec<_> = files.iter().map(|(path, text)| SourceFile::new(path, text)).collect();
-        Modules::of(&files).circles(folder)
+        Modules::of(&files).circles()
     };
     let one_way = [
         ("a/mod.rs", "mod b; mod c; pub use c::C;"),
         ("a/b.rs", "use super::C; use crate::a::c::{D};"),
         ("a/c.rs", "#[cfg(test)]\nmod tests { use crate::a::b::B; }\n// crate::a::b"),
     ];
-    assert!(circles(&one_way, "a").is_empty());
+    assert!(circles(&one_way).is_empty());
     let both = [
         one_way[0],
         one_way[1],
@@ -227,7 +235,7 @@ fn circles_are_found() {
         ("a/e.rs", "use crate::a::b;"),
     ];
     let expected = ["src/a/b.rs uses a::C", "src/a/c/mod.rs uses a::e::E", "src/a/e.rs uses a::b"];
-    assert_eq!(circles(&both, "a"), expected);
+    assert_eq!(circles(&both), expected);
     // By names that others give, and by what their parent uses.
     let renamed = [
         ("a/mod.rs", "mod b; mod c; mod d; use d::E as F; pub use F as G;"),
@@ -235,5 +243,5 @@ fn circles_are_found() {
         ("a/c.rs", "use super::b::f;"),
         ("a/d.rs", "fn f() { super::c::g() }"),
     ];
-    assert_eq!(circles(&renamed, "a").len(), 3);
+    assert_eq!(circles(&renamed).len(), 3);
 }

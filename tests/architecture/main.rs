@@ -25,34 +25,11 @@ fn no_floor_uses_one_above_it() {
     expect_none("a floor reaches upwards", &violations(rules::upward_uses));
 }
 
-/// Folders in which data flows one way, too: no two modules use each other, not even by way of
-/// others. (In other folders some still do: types that refer to each other by nature, as a surface
-/// and its errors, and parts of one algorithm.)
-const LAYERED: [&str; 16] = [
-    "app/audit",
-    "intersect",
-    "intersect/exact",
-    "intersect/roots",
-    "intersect/scalar",
-    "intersect/tracer",
-    "intersect/tree",
-    "intersect/wide",
-    "intersect/wide/proof",
-    "intersect/wide/search",
-    "intersect/wide/single",
-    "intersect/wide/stream",
-    "io/geomdl",
-    "io/mesh",
-    "math",
-    "render",
-];
-
+/// In each folder, too, no two modules use each other, not even by way of others.
 #[test]
-fn layered_folders_have_no_circles() {
+fn no_folder_has_circles() {
     let files = source::files_below("src");
-    let modules = Modules::of(&files);
-    let wrong: Vec<String> = LAYERED.iter().flat_map(|folder| modules.circles(folder)).collect();
-    expect_none("these use each other in a circle", &wrong);
+    expect_none("these use each other in a circle", &Modules::of(&files).circles());
 }
 
 #[test]

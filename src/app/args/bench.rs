@@ -6,14 +6,13 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use nurbray::intersect::Kernel;
 
-use super::super::bench;
 use super::super::race::{MAX_SIDE, RaySet};
 use super::values::{once_each, seconds, tolerance};
-use super::{count, kernels, threads};
+use super::{count, help, kernels, threads};
 
 /// `nurbray bench`.
 #[derive(Debug, Args)]
-#[command(after_help = bench::HELP, override_usage = "nurbray bench [OPTIONS] <INPUT>...")]
+#[command(after_help = help::BENCH, override_usage = "nurbray bench [OPTIONS] <INPUT>...")]
 pub(crate) struct BenchArguments {
     /// Scenes (.toml) or bare models (.json, .obj)
     #[arg(value_name = "INPUT", required = true)]

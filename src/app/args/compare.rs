@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::super::compare;
-use super::threads;
 use super::values::{self, Size, once_each, seconds, tolerance};
+use super::{help, threads};
 
 /// Another way to trace the same camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -19,7 +18,7 @@ pub(crate) enum Against {
 
 /// `nurbray compare`.
 #[derive(Debug, Args)]
-#[command(after_help = compare::HELP)]
+#[command(after_help = help::COMPARE)]
 pub(crate) struct CompareArguments {
     /// Scene (.toml) or bare model (.json, .obj)
     pub(crate) input: PathBuf,

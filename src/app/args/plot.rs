@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::super::plot;
+use super::help;
 use super::values::{self, Size};
 
 /// `nurbray plot`.
 #[derive(Debug, Args)]
-#[command(after_help = plot::HELP)]
+#[command(after_help = help::PLOT)]
 pub(crate) struct PlotArguments {
     /// Scene (.toml) or bare model (.json, .obj)
     pub(crate) input: PathBuf,

@@ -16,7 +16,7 @@ use super::super::{chart, console, input, threads};
 use super::errors::Errors;
 use super::folder::Folder;
 use super::heat::{self, Color, Scale};
-use super::report::Report;
+use super::report::{Findings, LEGEND, PICTURE, PLOT, REPORT, Report, normal_file, position_file};
 use super::sight::{self, View, degrees};
 use super::verdict::{Cause, Judge, Verdict};
 
@@ -28,27 +28,6 @@ pub(super) const POSITION: Scale =
     Scale { quantity: "position error / diagonal, along the ray", low: -8, high: -3 };
 /// The colours of normal errors.
 pub(super) const NORMAL: Scale = Scale { quantity: "normal error, degrees", low: -4, high: 1 };
-
-/// The errors of the triangles of one tolerance.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Findings {
-    /// Rays that hit triangles, among those we are certain of.
-    pub(super) hits: usize,
-    /// Rays for which both sides see the same place.
-    pub(super) same: usize,
-    /// Distances along the ray, as fractions of the diagonal.
-    pub(super) along: Option<Errors>,
-    /// Distances from our tangent plane, as fractions of the diagonal.
-    pub(super) across: Option<Errors>,
-    /// Angles of the interpolated normals, in degrees.
-    pub(super) normal: Option<Errors>,
-    /// Angles of the triangles' own normals, in degrees.
-    pub(super) facet: Option<Errors>,
-    /// Rays lost at silhouettes and in gaps.
-    pub(super) lost: [usize; 2],
-    /// Rays invented at silhouettes and where triangles overlap.
-    pub(super) invented: [usize; 2],
-}
 
 /// The pictures of one tolerance, pixels row by row.
 struct Pictures {
@@ -157,20 +136,6 @@ fn write(
     folder.write(LEGEND, &heat::legend(&[POSITION, NORMAL], &heat::WORDS))?;
     chart::write(&folder.at(PLOT), &report.panels()).or_failed()?;
     folder.write(REPORT, &report.text())
-}
-
-/// The files of a report.
-pub(super) const REPORT: &str = "report.md";
-pub(super) const PICTURE: &str = "picture.png";
-pub(super) const LEGEND: &str = "legend.svg";
-pub(super) const PLOT: &str = "plot.svg";
-
-pub(super) fn position_file(tolerance: f64) -> String {
-    format!("position-{tolerance:e}.png")
-}
-
-pub(super) fn normal_file(tolerance: f64) -> String {
-    format!("normal-{tolerance:e}.png")
 }
 
 fn files(tolerances: &[f64]) -> Vec<String> {

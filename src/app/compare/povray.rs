@@ -13,7 +13,9 @@ use super::super::{console, input, threads};
 use super::errors::Errors;
 use super::folder::Folder;
 use super::heat::{self, Color, Scale};
-use super::povray_report::Report;
+use super::povray_report::{
+    Findings, LEGEND, PICTURE, REPORT, Report, difference_file, scene_file,
+};
 use super::povray_run::{Povray, Rendering};
 use super::sight::{self, Sight, View};
 
@@ -23,32 +25,6 @@ const BRIGHTNESS: Scale =
 
 /// The most surfaces named of those left out for one reason: a line or two, as `--help` says.
 const NAMES: usize = 12;
-
-/// The files of a report.
-const REPORT: &str = "report.md";
-pub(super) const PICTURE: &str = "picture.png";
-pub(super) const LEGEND: &str = "legend.svg";
-
-pub(super) fn scene_file(tolerance: f64) -> String {
-    format!("scene-{tolerance:e}.pov")
-}
-
-pub(super) fn difference_file(tolerance: f64) -> String {
-    format!("difference-{tolerance:e}.png")
-}
-
-/// The errors of one of POV-Ray's pictures.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Findings {
-    /// Pixels that POV-Ray hits, among those we are certain of.
-    pub(super) hits: usize,
-    /// Errors of brightness where both hit.
-    pub(super) brightness: Option<Errors>,
-    /// Pixels we hit and POV-Ray does not.
-    pub(super) lost: usize,
-    /// Pixels POV-Ray hits and we do not.
-    pub(super) invented: usize,
-}
 
 /// Runs the comparison and writes the report.
 pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {

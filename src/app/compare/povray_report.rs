@@ -2,10 +2,36 @@
 
 use super::super::race::{Measurement, Model};
 use super::super::table::{count, short, three_digits, time};
+use super::errors::Errors;
 use super::folder::files_written;
-use super::povray::{Findings, LEGEND, PICTURE, difference_file, scene_file};
 use super::povray_run::Rendering;
 use super::table::{NONE, Table, fraction};
+
+/// The errors of one of POV-Ray's pictures.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Findings {
+    /// Pixels that POV-Ray hits, among those we are certain of.
+    pub(super) hits: usize,
+    /// Errors of brightness where both hit.
+    pub(super) brightness: Option<Errors>,
+    /// Pixels we hit and POV-Ray does not.
+    pub(super) lost: usize,
+    /// Pixels POV-Ray hits and we do not.
+    pub(super) invented: usize,
+}
+
+/// The files of a report.
+pub(super) const REPORT: &str = "report.md";
+pub(super) const PICTURE: &str = "picture.png";
+pub(super) const LEGEND: &str = "legend.svg";
+
+pub(super) fn scene_file(tolerance: f64) -> String {
+    format!("scene-{tolerance:e}.pov")
+}
+
+pub(super) fn difference_file(tolerance: f64) -> String {
+    format!("difference-{tolerance:e}.png")
+}
 
 /// The text after the tables.
 const NOTES: &str = "\

@@ -3,10 +3,44 @@
 use super::super::chart::Panel;
 use super::super::race::{Measurement, Model, Rival, RivalResult};
 use super::super::table::{count, short, short_bytes, three_digits, time};
-use super::embree::{Findings, LEGEND, PICTURE, PLOT, normal_file, position_file};
 use super::errors::Errors;
 use super::folder::files_written;
 use super::table::{NONE, Table, fraction};
+
+/// The errors of the triangles of one tolerance.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Findings {
+    /// Rays that hit triangles, among those we are certain of.
+    pub(super) hits: usize,
+    /// Rays for which both sides see the same place.
+    pub(super) same: usize,
+    /// Distances along the ray, as fractions of the diagonal.
+    pub(super) along: Option<Errors>,
+    /// Distances from our tangent plane, as fractions of the diagonal.
+    pub(super) across: Option<Errors>,
+    /// Angles of the interpolated normals, in degrees.
+    pub(super) normal: Option<Errors>,
+    /// Angles of the triangles' own normals, in degrees.
+    pub(super) facet: Option<Errors>,
+    /// Rays lost at silhouettes and in gaps.
+    pub(super) lost: [usize; 2],
+    /// Rays invented at silhouettes and where triangles overlap.
+    pub(super) invented: [usize; 2],
+}
+
+/// The files of a report.
+pub(super) const REPORT: &str = "report.md";
+pub(super) const PICTURE: &str = "picture.png";
+pub(super) const LEGEND: &str = "legend.svg";
+pub(super) const PLOT: &str = "plot.svg";
+
+pub(super) fn position_file(tolerance: f64) -> String {
+    format!("position-{tolerance:e}.png")
+}
+
+pub(super) fn normal_file(tolerance: f64) -> String {
+    format!("normal-{tolerance:e}.png")
+}
 
 /// The text after the tables.
 const NOTES: &str = "\

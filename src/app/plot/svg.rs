@@ -15,7 +15,7 @@ use super::flatten::flatten;
 use super::labels::placed;
 use super::panel::{Item, Key, Mark, Panel, Stroke};
 use super::ticks::{NUMBER_SIZE, Ticks, width};
-use super::view::View;
+use super::view::{LEFT, RIGHT, View};
 
 /// Plotters counts in whole pixels. It draws a picture this many times as large, and the first
 /// line of the file makes that small again.
@@ -24,9 +24,6 @@ pub(crate) const SUBPIXELS: u32 = 32;
 /// Curves are drawn to within this much of a pixel: a tenth of the width of a thin line.
 pub(super) const TOLERANCE: f64 = 0.1;
 
-/// The sizes of what stands around a plot, in pixels.
-pub(super) const LEFT: f64 = 54.0;
-pub(super) const RIGHT: f64 = 18.0;
 const TITLE: f64 = 34.0;
 const NUMBERS: f64 = 24.0;
 const AXIS_NAME: f64 = 16.0;

@@ -3,8 +3,11 @@
 use glam::DVec2;
 
 use super::panel::{Item, Panel, Scale};
-use super::svg::{LEFT, RIGHT};
 use super::ticks::{Ticks, round_step};
+
+/// The sizes of what stands around a plot, in pixels.
+pub(super) const LEFT: f64 = 54.0;
+pub(super) const RIGHT: f64 = 18.0;
 
 /// The share of the plot's width and height that is left free around the things shown.
 const ROOM: f64 = 0.07;

@@ -11,7 +11,7 @@ use super::{LoadError, Reader};
 use crate::geometry::{BoundaryRule, Cage, CageParts, Corner, Crease};
 use crate::io::cage_offsets::CageOffsets;
 use crate::io::keyed::Keyed;
-use crate::io::load::stem;
+use crate::io::nearby::stem;
 use crate::scene::{Place, Scheme, Shape, Subdivision};
 
 #[derive(Deserialize)]

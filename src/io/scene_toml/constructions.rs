@@ -5,7 +5,7 @@ use toml::Spanned;
 
 use super::super::keyed::Keyed;
 use super::curves::CurveKeys;
-use super::keys::Measures;
+use super::values::Measures;
 use super::values::{Axis, Number, Vector};
 use super::{LoadError, Reader};
 use crate::geometry::construct::{Caps, NetStyle, RibbonStyle, SweepOptions, TubeStyle};

@@ -4,9 +4,9 @@ use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
 use super::super::keyed::Keyed;
-use super::keys::TransformKeys;
 use super::kinds::OneOf;
 use super::knot_list::KnotList;
+use super::transforms::TransformKeys;
 use super::values::{Exactly, Number, Point};
 use super::{LoadError, Reader};
 use crate::geometry::shapes::QuarticArc;

@@ -1,9 +1,9 @@
 //! The tables and keys of a scene file, as [`super`] shows them.
 
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
 use toml::Spanned;
 
-use super::super::keyed::{Keyed, keyed};
+use super::super::keyed::Keyed;
 use super::cages::SubdivisionKeys;
 use super::constructions::{
     ConstructionKeys, CoonsKeys, ExtrusionKeys, IsoCurvesKeys, LoftKeys, NetKeys, PolygonKeys,
@@ -12,9 +12,10 @@ use super::constructions::{
 use super::kinds::{Kinds, OneOf};
 use super::knot_list::KnotList;
 use super::plots::{FigureKeys, PlotKeys};
+use super::transforms::TransformKeys;
 use super::trims::TrimKeys;
 use super::values::{
-    Axis, Color, Count, Emission, Exactly, Factors, NetPoint, Number, PerDirection, Vector,
+    Color, Count, Emission, Exactly, Measures, NetPoint, Number, PerDirection, Vector,
 };
 use crate::geometry::shapes::OctantConstants;
 use crate::scene::{NamedShape, Scheme};
@@ -169,36 +170,6 @@ pub(super) struct ObjectKeys {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum TransformKeys {
-    Translate(Spanned<Vector>),
-    Rotate(Rotation),
-    Scale(Spanned<Factors>),
-    Matrix(Spanned<Exactly<Exactly<Number, 4>, 3>>),
-}
-
-/// The keys of a rotation.
-pub(super) struct Rotation(pub(super) RotateKeys);
-
-impl<'de> Deserialize<'de> for Rotation {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        keyed(deserializer, "a table, as in rotate = { axis = \"z\", degrees = 90 }").map(Self)
-    }
-}
-
-impl Kinds for TransformKeys {
-    const EXAMPLE: &'static str = "a transform, as in { translate = [1, 0, 0] }";
-    const APART: &'static str = "each transform is a table of its own, [{ … }, { … }]";
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RotateKeys {
-    pub(super) axis: Spanned<Axis>,
-    pub(super) degrees: Number,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "snake_case")]
 pub(super) enum ShapeKeys {
     Sphere(Keyed<RadiusKeys>),
     SphereBiquadratic(Keyed<RadiusKeys>),
@@ -334,9 +305,6 @@ pub(super) enum ShapeSource {
     Built(Box<dyn ConstructionKeys>),
     File(Spanned<String>),
 }
-
-/// The measures that are written: their names in errors, and their offsets.
-pub(super) type Measures = Vec<(&'static str, usize)>;
 
 /// Returns the constants of an octant, if any are written; the others are the source note's. Adds
 /// the offsets to `measures`.

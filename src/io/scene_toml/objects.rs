@@ -5,15 +5,14 @@ use std::sync::Arc;
 
 use toml::Spanned;
 
-use super::keys::{
-    Grid, Measures, NurbsKeys, ObjectKeys, Rotation, ShapeKeys, ShapeSource, TransformKeys,
-    TriangleKeys,
-};
+use super::keys::{Grid, NurbsKeys, ObjectKeys, ShapeKeys, ShapeSource, TriangleKeys};
 use super::kinds::OneOf;
+use super::transforms::{Rotation, TransformKeys};
+use super::values::Measures;
 use super::{LoadError, Reader};
 use crate::geometry::NurbsSurface;
 use crate::io::keyed::Keyed;
-use crate::io::load::stem;
+use crate::io::nearby::stem;
 use crate::scene::{Knots, Net, Object, Part, Place, Shape, Transform, TriangleNet, Written};
 
 impl Reader<'_, '_> {

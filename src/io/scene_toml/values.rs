@@ -368,3 +368,6 @@ impl TryFrom<Loose> for PerDirection {
         }
     }
 }
+
+/// The measures that are written: their names in errors, and their offsets.
+pub(super) type Measures = Vec<(&'static str, usize)>;
