@@ -92,8 +92,8 @@ trapezoids, grids of their own, along chords equally near to the trim curves.
 rtcIntersect1 (rtcOccluded1) for single rays; else the fastest of 1, 8 and 16.
 Triangles and rays are moved to the middle of the bounding box and scaled by a
 power of two to a size between 1 and 2, which suits Embree's constants best.
-tnear is 0, except for rays that leave a surface: twice the tolerance. (nurbray
-needs none.) A ray differs in t if the rival's hit is farther from the tangent
+tnear is 0. Rays that leave a surface begin twice the tolerance above it, along
+its normal, for Embree. (nurbray needs no offset.) A ray differs in t if the rival's hit is farther from the tangent
 plane of ours than the tolerance.
 
 With --json one object a line, for each model, ray set, kernel and tolerance:
@@ -119,7 +119,8 @@ and with a rival:
                   build_seconds
   rival_bytes     what Embree reports, vertices included; normals and (u, v) are
                   not
-  rival_tnear, hit_disagreements, t_disagreements
+  rival_tnear (0), rival_offset (of rays that leave a surface)
+  hit_disagreements, t_disagreements
                   (rays; the last not of those that ask for any hit)
   ratio           mrays_per_s / rival_mrays_per_s
 Preparations are repeated up to 9 times; their figures are those of the run that

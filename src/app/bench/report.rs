@@ -85,7 +85,8 @@ impl Report<'_> {
         line["rival_total_seconds"] =
             json!(measured.rival_steps(self.model, rival, result).total());
         line["rival_bytes"] = json!(rival.bytes);
-        line["rival_tnear"] = json!(result.t_near);
+        line["rival_tnear"] = json!(0.0);
+        line["rival_offset"] = json!(result.offset);
         line["hit_disagreements"] = json!(disagreements.hit);
         if measured.set.question() == Question::FirstHit {
             line["t_disagreements"] = json!(disagreements.distance);
@@ -194,7 +195,7 @@ impl Report<'_> {
 
     /// What the rival finds that we do not, and the other way round.
     fn comparison(&self) -> Vec<Vec<String>> {
-        let heading = ["rays that differ", "tolerance", "tnear", "hit or miss", "t"];
+        let heading = ["rays that differ", "tolerance", "offset", "hit or miss", "t"];
         let mut rows = vec![heading.map(str::to_owned).to_vec()];
         for measured in self.measurements {
             for rival in &measured.rivals {
@@ -204,11 +205,11 @@ impl Report<'_> {
                     Question::AnyHit => "-".into(),
                 };
                 let tolerance = format!("{:e}", rival.tolerance);
-                let t_near = short(rival.t_near);
+                let offset = short(rival.offset);
                 rows.push(vec![
                     measured.set.to_string(),
                     tolerance,
-                    t_near,
+                    offset,
                     differ.hit.to_string(),
                     t,
                 ]);

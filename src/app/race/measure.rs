@@ -38,7 +38,7 @@ pub(crate) struct RivalResult {
     /// Rays a packet.
     pub(crate) width: u32,
     /// Where its rays begin, in scene units.
-    pub(crate) t_near: f64,
+    pub(crate) offset: f64,
     pub(crate) speed: Speed,
     pub(crate) hits: usize,
     /// Disagreements with each of our kernels, in their order.
@@ -67,7 +67,7 @@ impl Measurement {
             rival_results.push(RivalResult {
                 tolerance: rival.tolerance,
                 width: entry.width(),
-                t_near: entry.t_near,
+                offset: entry.offset,
                 speed: Speed::default(),
                 hits: outcome::hits(&theirs),
                 disagreements: against.collect(),

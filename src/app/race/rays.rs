@@ -34,6 +34,8 @@ pub(crate) struct Rays {
     pub(crate) set: RaySet,
     /// The rays, with the roots they leave.
     pub(crate) queries: Vec<Query>,
+    /// For rays that leave a surface, its unit normals there on their side; for others none.
+    pub(crate) facing: Vec<DVec3>,
     /// The rays without the roots they leave: all that a query for a first hit consists of.
     pub(crate) alone: Vec<Ray>,
     /// How the coherent ones among them are best traced: as in pictures.
@@ -45,28 +47,30 @@ impl Rays {
     ///
     /// There may be none: if a scene has no lamp, or the camera sees nothing of it.
     pub(crate) fn new(set: RaySet, model: &Model, size: [u32; 2]) -> Self {
-        let queries = match set {
-            RaySet::Primary | RaySet::Single => primary(&model.world, size),
+        let leaving = |ray: &dyn Fn(usize, &Seen) -> Option<Query>| {
+            let seen = seen(&model.world, size);
+            let rays = seen.iter().enumerate();
+            rays.filter_map(|(index, seen)| Some((ray(index, seen)?, seen.facing))).unzip()
+        };
+        let (queries, facing) = match set {
+            RaySet::Primary | RaySet::Single => (primary(&model.world, size), Vec::new()),
             RaySet::Incoherent | RaySet::IncoherentSingle => {
                 let count = u64::from(size[0]) * u64::from(size[1]);
-                (0..count).into_par_iter().filter_map(|index| chord(model, index)).collect()
+                let chords = (0..count).into_par_iter().filter_map(|index| chord(model, index));
+                (chords.collect(), Vec::new())
             }
             RaySet::AmbientOcclusion => {
                 let reach = REACH * model.diagonal;
-                let hits = seen(&model.world, size).into_iter().enumerate();
-                hits.filter_map(|(index, seen)| occlusion_ray(&seen, reach, index as u64)).collect()
+                leaving(&|index, seen| occlusion_ray(seen, reach, index as u64))
             }
-            RaySet::Shadow => {
-                let lamp = model.world.lights().iter().find(|light| is_lamp(light));
-                let hits = seen(&model.world, size);
-                lamp.map_or_else(Vec::new, |lamp| {
-                    hits.iter().filter_map(|seen| shadow_ray(seen, lamp)).collect()
-                })
-            }
+            RaySet::Shadow => match model.world.lights().iter().find(|light| is_lamp(light)) {
+                Some(lamp) => leaving(&|_, seen| shadow_ray(seen, lamp)),
+                None => Default::default(),
+            },
         };
         let alone = queries.iter().map(|query| *query.ray()).collect();
         let neighbours = model.world.neighbours(size);
-        Self { set, queries, alone, neighbours }
+        Self { set, queries, facing, alone, neighbours }
     }
 
     /// The number of rays.

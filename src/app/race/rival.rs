@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use anyhow::Context;
+use glam::DVec3;
 use nurbray::intersect::{Coherence, Query};
 use nurbray::io::mesh::{GridMesh, MeshError, TessellationPlan};
 use nurbray::io::{Embree, EmbreeHit, EmbreePrimitive, EmbreeRays, EmbreeScene, PacketWidth};
@@ -17,9 +18,9 @@ use super::ray_set::{Calls, Question};
 use super::rays::{CHUNK, Rays};
 use super::steps::repeat;
 
-/// Where rays that leave a surface begin, in tolerances. Their origins lie on the surface, and
-/// the triangles up to one tolerance above it. With less, rays at 30° to the surface would meet
-/// the triangles they start from; flatter ones still may.
+/// How far above a surface rays that leave it begin, along its normal, in tolerances. Triangles lie
+/// up to one tolerance above it. If rays began later on their own way instead, flat ones on concave
+/// surfaces would meet the triangles that they start from, at any tolerance.
 pub(crate) const CLEARANCE: f64 = 2.0;
 
 /// How often, and for how long each time, a packet width is tried. The best one is measured
@@ -125,8 +126,8 @@ pub(crate) struct Entry<'a> {
     /// The lengths of the rays' directions: what a `t` of 1 means.
     lengths: Vec<f64>,
     chunks: Vec<EmbreeRays>,
-    /// Where the rays begin, in scene units.
-    pub(crate) t_near: f64,
+    /// How far off the surface that they leave the rays begin, in scene units.
+    pub(crate) offset: f64,
 }
 
 impl<'a> Entry<'a> {
@@ -137,18 +138,22 @@ impl<'a> Entry<'a> {
             Calls::Batch(coherence) => coherence,
             Calls::OneByOne => Coherence::Incoherent,
         };
-        let t_near = match question {
-            Question::FirstHit => 0.0,
-            Question::AnyHit => CLEARANCE * rival.distance,
+        let offset = if rays.facing.is_empty() { 0.0 } else { CLEARANCE * rival.distance };
+        let moved = |(index, query): (usize, &Query)| {
+            rays.facing
+                .get(index)
+                .map_or(*query.ray(), |facing| above(query.ray(), offset * *facing))
         };
-        let chunks = rays.queries.par_chunks(CHUNK).map(|queries| {
-            let rays: Vec<Ray> = queries.iter().map(|query| clear(query.ray(), t_near)).collect();
+        let starts = (0..rays.len()).into_par_iter().step_by(CHUNK);
+        let chunks = starts.map(|start| {
+            let queries = rays.queries.iter().enumerate().skip(start).take(CHUNK);
+            let rays: Vec<Ray> = queries.map(moved).collect();
             rival.scene.rays(&rays, width, coherence)
         });
         let chunks = chunks.collect();
         let length = |query: &Query| query.ray().direction().length();
         let lengths = rays.queries.iter().map(length).collect();
-        Self { rival, question, width, lengths, chunks, t_near }
+        Self { rival, question, width, lengths, chunks, offset }
     }
 
     /// How many rays a packet holds.
@@ -191,9 +196,8 @@ impl<'a> Entry<'a> {
     }
 }
 
-/// The ray from a distance `t_near` on, but from its middle at the latest.
-fn clear(ray: &Ray, t_near: f64) -> Ray {
-    let start = t_near / ray.direction().length();
-    let start = ray.t_min().max(start).min(0.5 * ray.t_min() + 0.5 * ray.t_max());
-    Ray::with_range(ray.origin(), ray.direction(), start, ray.t_max()).unwrap_or(*ray)
+/// The ray, moved.
+fn above(ray: &Ray, by: DVec3) -> Ray {
+    let origin = ray.origin() + by;
+    Ray::with_range(origin, ray.direction(), ray.t_min(), ray.t_max()).unwrap_or(*ray)
 }
