@@ -74,6 +74,7 @@ impl Placer<'_> {
                     ShapeError::Length { measure, .. } => measure,
                     ShapeError::Torus { .. } => "minor radius",
                     ShapeError::Octant { .. } => "constants",
+                    ShapeError::Surface(_) => "",
                 };
                 let place = measures.iter().find(|measure| measure.value == named);
                 let place = place.map_or(&part.place, |measure| &measure.place).clone();

@@ -123,7 +123,7 @@ impl<'a> BorderCurve<'a> {
     fn sampled(source: Source<'a>, domain: (f64, f64)) -> Self {
         let spans: Vec<[f64; 2]> = source
             .knots()
-            .spans()
+            .spans_between(domain.0, domain.1)
             .map(|span| [span.start.max(domain.0), span.end.min(domain.1)])
             .filter(|[start, end]| start < end)
             .collect();

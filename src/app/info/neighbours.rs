@@ -38,9 +38,11 @@ impl Neighbours {
     /// All pairs that come near each other; `sizes` are those of the objects of the surfaces.
     fn all(edges: &Edges<'_>, sizes: &[f64]) -> Vec<Self> {
         let largest = sizes.iter().fold(0.0, |a: f64, &b| a.max(b));
-        // The larger object's box is grown by at least as much as the two may be apart.
+        // The larger object's box is grown by at least as much as the two may be apart, and no box
+        // by much more than its curve is long: else every short one would be near thousands.
         let grown = |(edge, curve): &(Edge, BorderCurve<'_>)| {
-            curve.bounds().grown(near([sizes[edge.surface], largest]))
+            let near = near([sizes[edge.surface], largest]);
+            curve.bounds().grown(near.min(NEAR_LENGTH * curve.length()))
         };
         let boxes: Vec<Aabb> = edges.curves.iter().map(grown).collect();
         let looked_at = |&pair: &[usize; 2]| {

@@ -211,7 +211,16 @@ impl KnotVector {
 
     /// The non-empty spans of the domain, in order; there is at least one.
     pub fn spans(&self) -> impl Iterator<Item = Span> + '_ {
-        (self.degree..self.point_count())
+        self.spans_from(self.degree)
+    }
+
+    /// The non-empty spans that hold some of the parameters between two, in order.
+    pub fn spans_between(&self, from: f64, to: f64) -> impl Iterator<Item = Span> + '_ {
+        self.spans_from(self.span(from)).take_while(move |span| span.start < to)
+    }
+
+    fn spans_from(&self, first: usize) -> impl Iterator<Item = Span> + '_ {
+        (first..self.point_count())
             .map(|index| Span { index, start: self.values[index], end: self.values[index + 1] })
             .filter(|span| span.start < span.end)
     }

@@ -273,3 +273,17 @@ fn periodic_knots_close() {
     assert_eq!(message(&[0.0, 2.0, 1.0, 3.0]), "knot 2 is 1 after 2: knots must not decrease");
     assert!(KnotVector::periodic(usize::MAX, &[0.0, 1.0, 2.0, 3.0]).is_err());
 }
+
+#[test]
+fn spans_between_parameters() {
+    let knots = KnotVector::with_multiplicities(2, &[(0.0, 3), (1.0, 2), (2.0, 1), (4.0, 3)]);
+    let knots = knots.unwrap();
+    let between = |from, to| -> Vec<[f64; 2]> {
+        knots.spans_between(from, to).map(|span| [span.start, span.end]).collect()
+    };
+    assert_eq!(between(0.0, 4.0).len(), knots.spans().count());
+    assert_eq!(between(0.5, 1.5), [[0.0, 1.0], [1.0, 2.0]]);
+    assert_eq!(between(1.0, 2.0), [[1.0, 2.0]]);
+    assert_eq!(between(3.0, 9.0), [[2.0, 4.0]]);
+    assert!(between(1.0, 1.0).is_empty() && between(-2.0, -1.0).is_empty());
+}

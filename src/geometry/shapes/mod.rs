@@ -1,6 +1,8 @@
 //! Named shapes: exact quadrics, arcs of circles, and the documents' patches.
 //!
-//! Closed shapes are oriented outward: `Sᵤ × Sᵥ` points away from the inside.
+//! Closed shapes are oriented outward: `Sᵤ × Sᵥ` points away from the inside. Measures that make no
+//! valid surface together, as they reach too far out or are as thin as rounding errors, are an error
+//! ([`ShapeError::Surface`]).
 
 mod arc;
 mod circles;
@@ -23,9 +25,10 @@ pub use quadrics::{
 pub use revolved::{cone, cylinder, disk, sphere_biquadratic, torus};
 pub(crate) use turned::{Turned, turned_net};
 
+use glam::DVec4;
 use thiserror::Error;
 
-use super::{MAX_MAGNITUDE, MIN_MAGNITUDE};
+use super::{KnotVector, MAX_MAGNITUDE, MIN_MAGNITUDE, NurbsSurface, SurfaceError};
 use crate::math::{Measured, Shown};
 
 /// The reason why numbers cannot be the measures of a shape.
@@ -43,6 +46,10 @@ pub enum ShapeError {
         /// Its value.
         value: f64,
     },
+    /// The measures are usable, but not together: the surface would reach too far out, or be as thin
+    /// as rounding errors.
+    #[error("{0}")]
+    Surface(SurfaceError),
     /// Constants of a quartic triangle violate their constraint.
     #[error(
         "the constants a = {}, b = {} make no sphere: of x² + y² + z² - w², a polynomial of \
@@ -88,10 +95,34 @@ fn all_digits<const N: usize>(numbers: [f64; N]) -> String {
     format!("[{}]", numbers.join(", "))
 }
 
+/// The surface of these knots and homogeneous control points, if it is one that rays can meet.
+fn checked(knots: [KnotVector; 2], control: Vec<DVec4>) -> Result<NurbsSurface, ShapeError> {
+    let [u, v] = knots;
+    NurbsSurface::from_homogeneous(u, v, control).map_err(ShapeError::Surface)
+}
+
 fn check_length(measure: &'static str, value: f64) -> Result<(), ShapeError> {
     if (MIN_MAGNITUDE..=MAX_MAGNITUDE).contains(&value) {
         Ok(())
     } else {
         Err(ShapeError::Length { measure, value })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shapes_are_valid_surfaces_or_errors() {
+        let thin = [plane(1.0, 1e-20), cylinder(1e-30, 1.0), torus(1.0, 1e-18)];
+        for shape in thin {
+            let error = shape.unwrap_err();
+            assert!(matches!(error, ShapeError::Surface(SurfaceError::NoArea { .. })), "{error}");
+        }
+        // The net of the sphere reaches to four times its radius.
+        let error = sphere(MAX_MAGNITUDE).unwrap_err();
+        assert!(matches!(error, ShapeError::Surface(SurfaceError::Point { .. })), "{error}");
+        assert!(sphere(0.25 * MAX_MAGNITUDE).is_ok() && sphere(MIN_MAGNITUDE).is_ok());
     }
 }

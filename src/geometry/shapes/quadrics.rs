@@ -4,7 +4,7 @@
 
 use glam::{DVec3, DVec4};
 
-use super::{ShapeError, check_length};
+use super::{ShapeError, check_length, checked};
 use crate::geometry::knots::unit_knots;
 use crate::geometry::{KnotVector, NurbsSurface};
 
@@ -40,7 +40,7 @@ pub fn sphere(radius: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("radius", radius)?;
     let half = 0.5;
     let values = vec![0.0, 0.0, 0.0, 0.0, half, half, half, 1.0, 1.0, 1.0, 1.0];
-    Ok(spherical(radius, KnotVector::derived(3, values), &AROUND))
+    spherical(radius, KnotVector::derived(3, values), &AROUND)
 }
 
 /// Half of [`sphere`], `y ≥ 0`: a single bicubic piece of 4 × 4 control points.
@@ -53,7 +53,7 @@ pub fn sphere(radius: f64) -> Result<NurbsSurface, ShapeError> {
 /// When the radius is not from 1e-70 to 1e70.
 pub fn hemisphere(radius: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("radius", radius)?;
-    Ok(spherical(radius, unit_knots(3), &AROUND[..4]))
+    spherical(radius, unit_knots(3), &AROUND[..4])
 }
 
 /// The hemisphere with the parameters of the source note's table 2, whose normals point
@@ -69,14 +69,18 @@ pub fn hemisphere_of_the_note(radius: f64) -> Result<NurbsSurface, ShapeError> {
 }
 
 /// The surface that is the product of the half circle from pole to pole and a circle around.
-fn spherical(radius: f64, knots_v: KnotVector, around: &[(f64, f64, f64)]) -> NurbsSurface {
+fn spherical(
+    radius: f64,
+    knots_v: KnotVector,
+    around: &[(f64, f64, f64)],
+) -> Result<NurbsSurface, ShapeError> {
     let control = HALF_CIRCLE.iter().flat_map(|&(r, z, weight)| {
         around.iter().map(move |&(x, y, w)| {
             let w = weight * w;
             (w * radius * DVec3::new(r * x, r * y, z)).extend(w)
         })
     });
-    NurbsSurface::assembled([unit_knots(3), knots_v], control.collect())
+    checked([unit_knots(3), knots_v], control.collect())
 }
 
 /// The octant `x, y, z ≥ 0` of a sphere around the origin, biquadratic, on the unit square.
@@ -110,7 +114,7 @@ pub fn octant_of_the_note(radius: f64) -> Result<NurbsSurface, ShapeError> {
             .iter()
             .map(move |&(x, y, w)| (radius * DVec3::new(r * x, r * y, z * w)).extend(weight * w))
     });
-    Ok(NurbsSurface::assembled([unit_knots(2), unit_knots(2)], control.collect()))
+    checked([unit_knots(2), unit_knots(2)], control.collect())
 }
 
 /// The rectangle of this width (along x) and height (along y) around the origin in the
@@ -124,7 +128,7 @@ pub fn plane(width: f64, height: f64) -> Result<NurbsSurface, ShapeError> {
     let (x, y) = (width / 2.0, height / 2.0);
     let corner = |x, y| DVec4::new(x, y, 0.0, 1.0);
     let control = vec![corner(-x, -y), corner(-x, y), corner(x, -y), corner(x, y)];
-    Ok(NurbsSurface::assembled([unit_knots(1), unit_knots(1)], control))
+    checked([unit_knots(1), unit_knots(1)], control)
 }
 
 #[cfg(test)]

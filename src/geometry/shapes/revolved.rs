@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::arc::{UnitArc, arc_knots};
 use super::turned::{Turned, turned_net};
-use super::{ShapeError, check_length};
+use super::{ShapeError, check_length, checked};
 use crate::geometry::knots::unit_knots;
 use crate::geometry::{KnotVector, NurbsSurface};
 
@@ -15,7 +15,7 @@ use crate::geometry::{KnotVector, NurbsSurface};
 /// `u` runs around, counterclockwise seen from `+z`, `v` along the profile, so that
 /// `Sᵤ × Sᵥ` points to the right of the profile in the plane of r and z: outward where the
 /// profile rises.
-fn revolved(profile: &[(f64, f64, f64)], knots_v: KnotVector) -> NurbsSurface {
+fn revolved(profile: &[(f64, f64, f64)], knots_v: KnotVector) -> Result<NurbsSurface, ShapeError> {
     let points: Vec<Turned> = profile
         .iter()
         .map(|&(r, z, weight)| Turned {
@@ -26,7 +26,7 @@ fn revolved(profile: &[(f64, f64, f64)], knots_v: KnotVector) -> NurbsSurface {
         })
         .collect();
     let circle = UnitArc::circle();
-    NurbsSurface::assembled([circle.knots, knots_v], turned_net(&circle.points, &points))
+    checked([circle.knots, knots_v], turned_net(&circle.points, &points))
 }
 
 /// The sphere around the origin as a biquadratic surface of revolution, 9 × 5 control points.
@@ -39,7 +39,7 @@ pub fn sphere_biquadratic(radius: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("radius", radius)?;
     let (r, c) = (radius, FRAC_1_SQRT_2);
     let profile = [(0.0, -r, 1.0), (r, -r, c), (r, 0.0, 1.0), (r, r, c), (0.0, r, 1.0)];
-    Ok(revolved(&profile, arc_knots(&[0.5])))
+    revolved(&profile, arc_knots(&[0.5]))
 }
 
 /// The torus around the z axis: the tube of radius `minor` about the circle of radius
@@ -57,7 +57,7 @@ pub fn torus(major: f64, minor: f64) -> Result<NurbsSurface, ShapeError> {
     }
     let circle = UnitArc::circle();
     let around = circle.points.iter().map(|&(r, z, w)| (major + minor * r, minor * z, w));
-    Ok(revolved(&around.collect::<Vec<_>>(), circle.knots))
+    revolved(&around.collect::<Vec<_>>(), circle.knots)
 }
 
 /// The side of a cylinder around the z axis, open at `z = 0` and at `z = height`.
@@ -69,7 +69,7 @@ pub fn torus(major: f64, minor: f64) -> Result<NurbsSurface, ShapeError> {
 pub fn cylinder(radius: f64, height: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("radius", radius)?;
     check_length("height", height)?;
-    Ok(revolved(&[(radius, 0.0, 1.0), (radius, height, 1.0)], unit_knots(1)))
+    revolved(&[(radius, 0.0, 1.0), (radius, height, 1.0)], unit_knots(1))
 }
 
 /// The side of a cone around the z axis: its open base at `z = 0`, its tip at `z = height`.
@@ -81,7 +81,7 @@ pub fn cylinder(radius: f64, height: f64) -> Result<NurbsSurface, ShapeError> {
 pub fn cone(radius: f64, height: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("radius", radius)?;
     check_length("height", height)?;
-    Ok(revolved(&[(radius, 0.0, 1.0), (0.0, height, 1.0)], unit_knots(1)))
+    revolved(&[(radius, 0.0, 1.0), (0.0, height, 1.0)], unit_knots(1))
 }
 
 /// The disk around the origin in the plane `z = 0`, facing `+z`.
@@ -92,7 +92,7 @@ pub fn cone(radius: f64, height: f64) -> Result<NurbsSurface, ShapeError> {
 /// When the radius is not from 1e-70 to 1e70.
 pub fn disk(radius: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("radius", radius)?;
-    Ok(revolved(&[(0.0, 0.0, 1.0), (radius, 0.0, 1.0)], unit_knots(1)).swapped())
+    Ok(revolved(&[(0.0, 0.0, 1.0), (radius, 0.0, 1.0)], unit_knots(1))?.swapped())
 }
 
 #[cfg(test)]
