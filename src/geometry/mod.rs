@@ -4,6 +4,22 @@
 //! Every surface derived from it (refined, split, elevated, reversed, moved) is valid again. Shapes
 //! known by name are in [`shapes`], surfaces made from curves in [`construct`].
 //!
+//! The modules, each of which uses only those before it:
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `magnitude`, `affine` | the range of numbers; what affine maps do to points and lengths |
+//! | `knots` | [`KnotVector`], and the [basis functions](BasisFunctions) over it |
+//! | `polygon` | control polygons, whether of curves or in nets: [`de_casteljau`], insertion, elevation, extraction |
+//! | `curve` | [`NurbsCurve`], the forms in which curves are written, curvature, [`CornerCutting`] |
+//! | `surface` | [`NurbsSurface`]: evaluation, refinement, iso-curves |
+//! | [`trim`] | loops in a domain: [`Trims`](trim::Trims) |
+//! | `chart` | [`Charts`]: surfaces of any kind as NURBS surfaces |
+//! | `triangle`, `trimmed` | [`TrianglePatch`]; [`TrimmedSurface`] and the curves along its edges |
+//! | [`shapes`], [`construct`] | quadrics and circles; surfaces from curves, and curves made visible |
+//! | `cage` | [`Cage`] and its [`LimitSurface`] |
+//! | `any_surface` | [`Surface`], one of any kind |
+//!
 //! ```
 //! use glam::DVec3;
 //! use nurbray::geometry::{KnotVector, NurbsSurface};
