@@ -220,8 +220,9 @@ RAYS.npy: float64 or float32, of shape (n, 6): origin x y z, direction x y z; or
   are in doubt.
 HITS.npy: float64, shape (n, 11): t, surface, u, v, x, y, z, nx, ny, nz, flags.
   A miss is NaN in all but flags. surface counts as `nurbray info` lists them;
-  (u, v) lies in the surface's own knot domain; the normal is S_u x S_v
-  normalised, not turned towards the ray. flags, by bit: 0 doubtful (1), 1 at a
+  (u, v) lies in the surface's own knot domain (of a cage: u - k and v in unit
+  square k, counted face by face; a face of n corners has n, quads have one); the
+  normal is S_u x S_v normalised, not turned towards the ray. flags, by bit: 0 doubtful (1), 1 at a
   border (2), 2 normal undefined (4), 3 at a trim edge (8), 4 the ray runs
   inside the surface (16).
 With --all: shape (m, 12), the ray's number first, sorted by ray, then t. A ray

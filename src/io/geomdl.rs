@@ -316,7 +316,10 @@ impl<'a> Reader<'a> {
             }
             0 | 3 => {} // an empty list has too few points, which is reported elsewhere
             other => {
-                let message = format!("its points have {other} coordinates, needed are 3");
+                let weighted = ": weights stand in a list of their own, \"weights\", and points are \
+                                not multiplied by them";
+                let hint = if other == 4 { weighted } else { "" };
+                let message = format!("its points have {other} coordinates, needed are 3{hint}");
                 return Err(entry.malformed(points.place, &message));
             }
         }
