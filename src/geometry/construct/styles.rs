@@ -22,7 +22,8 @@ pub struct TubeStyle {
     /// How it ends.
     pub caps: Caps,
     /// The largest allowed distance from the true tube, in scene units, where the curve is neither
-    /// straight nor round. The default is that of [`SweepOptions`], for each smooth part.
+    /// straight nor round. The default is that of [`SweepOptions`](super::SweepOptions), for each
+    /// smooth part.
     pub tolerance: Option<f64>,
 }
 
@@ -37,7 +38,7 @@ pub struct RibbonStyle {
     /// The angle in degrees by which each smooth part is twisted, evenly in its parameter.
     pub twist: f64,
     /// The largest allowed distance from the true ribbon, in scene units. The default is that of
-    /// [`SweepOptions`], for each smooth part.
+    /// [`SweepOptions`](super::SweepOptions), for each smooth part.
     pub tolerance: Option<f64>,
 }
 

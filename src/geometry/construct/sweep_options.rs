@@ -18,9 +18,9 @@ pub struct SweepOptions {
     /// to a point at the end.
     pub scale: Vec<f64>,
     /// The largest allowed distance of the surface from the true sweep where that is not rational,
-    /// in scene units. The default is a millionth of [`sweep_size`](super::sweep_size) or, where that is less, a
-    /// thousandth of the profile's size, but no finer than rounding allows: 1e-11 of the path's
-    /// size and coordinates.
+    /// in scene units. The default is a millionth of [`sweep_size`](super::sweep_size) or, where
+    /// that is less, a thousandth of the profile's size, but no finer than rounding allows: 1e-11
+    /// of the path's size and coordinates.
     pub tolerance: Option<f64>,
 }
 

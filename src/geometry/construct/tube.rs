@@ -13,11 +13,11 @@ use crate::geometry::NurbsCurve;
 
 /// The surfaces of a tube around a curve, facing outward.
 ///
-/// Straight parts are exact cylinders, arcs of circles exact tori; the rest is swept ([`sweep`]).
-/// Where the curve has a kink, a sphere joins the parts. Where it pauses, as at a control point
-/// that is repeated more often than its degree, the tube goes on. A curve that ends where it begins
-/// has no caps. Parts that would be there twice, as where the curve passes a corner again, are made
-/// once; [`Drawing`] does the same for several curves.
+/// Straight parts are exact cylinders, arcs of circles exact tori; the rest is
+/// [swept](super::sweep()). Where the curve has a kink, a sphere joins the parts. Where it pauses,
+/// as at a control point that is repeated more often than its degree, the tube goes on. A curve
+/// that ends where it begins has no caps. Parts that would be there twice, as where the curve
+/// passes a corner again, are made once; [`Drawing`] does the same for several curves.
 ///
 /// # Errors
 /// When the radius is not a positive length, or the curve has a gap, is only a point, runs back
@@ -30,13 +30,13 @@ pub fn tube(curve: &NurbsCurve, style: &TubeStyle) -> Result<Vec<Component>, Con
 }
 
 /// The flat band along a curve, one surface for each of the curve's smooth parts: straight lines
-/// across the curve, carried along as by [`sweep`]. At a corner of the curve each part ends square:
-/// the parts overlap on the inside of the corner and leave a notch on its outside. Around a corner
-/// in the ribbon's own plane, the overlapping parts coincide: rounding decides which of them is
-/// seen and whether one shades the other. Pictures are speckled there, and the rays doubtful.
+/// across the curve, [swept](super::sweep()) along it. At a corner of the curve each part ends
+/// square: the parts overlap on the inside of the corner and leave a notch on its outside. Around a
+/// corner in the ribbon's own plane, the overlapping parts coincide: rounding decides which of them
+/// is seen and whether one shades the other. Pictures are speckled there, and the rays doubtful.
 ///
 /// # Errors
-/// When the width is not a positive length, and as [`sweep`].
+/// When the width is not a positive length, and as [`sweep`](super::sweep()).
 pub fn ribbon(curve: &NurbsCurve, style: &RibbonStyle) -> Result<Vec<Component>, ConstructError> {
     let usable = style.width > 0.0 && style.width.is_finite(); // false for NaN
     if !usable {

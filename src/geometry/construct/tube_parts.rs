@@ -35,7 +35,7 @@ pub(super) struct SmoothPart {
 /// Takes a curve apart at its corners.
 ///
 /// # Errors
-/// As [`tube`], except for curves that bend too much.
+/// As [`tube`](super::tube()), except for curves that bend too much.
 pub(super) fn parts(curve: &NurbsCurve, radius: f64) -> Result<Parts, ConstructError> {
     let profile = circle_arc(radius, 0.0, 360.0).map_err(ConstructError::of("tube"))?;
     check_fold(curve, "curve")?;

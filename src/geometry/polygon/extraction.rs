@@ -192,7 +192,7 @@ fn mixed(points: &[DVec4], shares: &[f64]) -> DVec4 {
 ///
 /// This is not a matrix but the steps of knot insertion: every point is computed from the same
 /// numbers by the same operations as if all knots of the clamped spline were inserted from left to
-/// right, as [`Insertions`](super::line::Insertions) does. So it is the same to the last bit,
+/// right, as [`Insertions`](super::Insertions) does. So it is the same to the last bit,
 /// except for the sign of zeros, and neighbouring spans share the point between them.
 ///
 /// With the polar form `f` of a cubic (Ramshaw 1989) and the knots `t₋₁ ≤ t₀ ≤ t₁ < t₂ ≤ t₃ ≤ t₄`

@@ -1,8 +1,8 @@
 //! Named shapes: exact quadrics, arcs of circles, and the documents' patches.
 //!
 //! Closed shapes are oriented outward: `Sᵤ × Sᵥ` points away from the inside. Measures that make no
-//! valid surface together, as they reach too far out or are as thin as rounding errors, are an error
-//! ([`ShapeError::Surface`]).
+//! valid surface together, as they reach too far out or are as thin as rounding errors, are an
+//! error ([`ShapeError::Surface`]).
 
 mod arc;
 mod circles;
@@ -46,8 +46,8 @@ pub enum ShapeError {
         /// Its value.
         value: f64,
     },
-    /// The measures are usable, but not together: the surface would reach too far out, or be as thin
-    /// as rounding errors.
+    /// The measures are usable, but not together: the surface would reach too far out, or be as
+    /// thin as rounding errors.
     #[error("{0}")]
     Surface(SurfaceError),
     /// Constants of a quartic triangle violate their constraint.

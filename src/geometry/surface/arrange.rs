@@ -7,7 +7,7 @@ use crate::geometry::affine::{moved, unfit_determinant};
 
 impl NurbsSurface {
     /// The surface run backwards in u, which reverses its normals; the domain stays (see
-    /// [`KnotVector::reversed`](super::KnotVector::reversed)).
+    /// [`KnotVector::reversed`](crate::geometry::KnotVector::reversed)).
     #[must_use]
     pub fn reversed_u(&self) -> Self {
         let (_, nv) = self.size();
@@ -16,7 +16,7 @@ impl NurbsSurface {
     }
 
     /// The surface run backwards in v, which reverses its normals; the domain stays (see
-    /// [`KnotVector::reversed`](super::KnotVector::reversed)).
+    /// [`KnotVector::reversed`](crate::geometry::KnotVector::reversed)).
     #[must_use]
     pub fn reversed_v(&self) -> Self {
         let (_, nv) = self.size();

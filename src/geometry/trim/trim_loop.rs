@@ -31,9 +31,10 @@ const ALONG: f64 = 1e-3;
 /// ends, the first where the last one ends.
 ///
 /// # Invariants, checked once on construction
-/// - the ends meet to within [`JOINT_TOLERANCE`](super::JOINT_TOLERANCE) times the loop's extent (in u and v separately)
-///   plus a few rounding errors of its magnitude, and are then made equal: the curves end where
-///   they meet near the gap, if need be extended, or are joined there by a short straight line;
+/// - the ends meet to within [`JOINT_TOLERANCE`](super::JOINT_TOLERANCE) times the loop's extent
+///   (in u and v separately) plus a few rounding errors of its magnitude, and are then made equal:
+///   the curves end where they meet near the gap, if need be extended, or are joined there by a
+///   short straight line;
 /// - the loop is not a point.
 ///
 /// Crossings of the loop with itself are found together with those of other loops, in
@@ -191,7 +192,8 @@ impl TrimLoop {
     }
 
     /// The widest gap between curves as written, as a fraction of the loop's extent, in u or in v.
-    /// It is at most [`JOINT_TOLERANCE`](super::JOINT_TOLERANCE), except for rounding of tiny loops, and has been closed.
+    /// It is at most [`JOINT_TOLERANCE`](super::JOINT_TOLERANCE), except for rounding of tiny
+    /// loops, and has been closed.
     pub fn widest_gap(&self) -> f64 {
         self.widest_gap
     }

@@ -51,7 +51,7 @@ impl TrimmedSurface {
     }
 
     /// The surface and its trims run backwards in u, which reverses the normals; the domain stays
-    /// (see [`KnotVector::reversed`](super::KnotVector::reversed)).
+    /// (see [`KnotVector::reversed`](crate::geometry::KnotVector::reversed)).
     #[must_use]
     pub fn reversed_u(&self) -> Self {
         let surface = self.surface.reversed_u();

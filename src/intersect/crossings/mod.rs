@@ -1,8 +1,8 @@
 //! Which hits are one crossing.
 //!
 //! `merge` joins the meetings of a ray that are one crossing. They must be at the `same_place` and,
-//! as far as `sides` knows, go through the surface the same way; at `vertices`, the sum of the angles that the `faces` cover around the ray says which way it goes
-//! through.
+//! as far as `sides` knows, go through the surface the same way; at `vertices`, the sum of the
+//! angles that the `faces` cover around the ray says which way it goes through.
 
 mod faces;
 pub(super) mod merge;

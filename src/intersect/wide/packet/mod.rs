@@ -8,9 +8,9 @@
 //! for sixteen rays at a time. Those that meet its box (`box_crossing`), and for which its
 //! certificate holds, get a start in f32, which may prove enough (`screening`), else, eight at a
 //! time, an end in f64 (`finish`). Those for which it does not hold are put aside until there are
-//! sixteen (`doubts`), and then examined (`settle`). A ray that starts on a leaf may be done with it
-//! (`departures`). What is kept between packets, and found, is their `work`; `answers` reads what
-//! rays have met.
+//! sixteen (`doubts`), and then examined (`settle`). A ray that starts on a leaf may be done with
+//! it (`departures`). What is kept between packets, and found, is their `work`; `answers` reads
+//! what rays have met.
 
 mod answers;
 mod apart;

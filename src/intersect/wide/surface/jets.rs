@@ -1,6 +1,6 @@
 //! Evaluates the true surface at eight places, in f64, lane by lane: of one patch, or of eight
 //! patches of one form; by powers ([`power_sums`]), or by Bernstein functions like
-//! [`TensorPatch::jet`].
+//! [`TensorPatch::jet`](crate::patch::TensorPatch::jet).
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use fearless_simd_macros::simd;
