@@ -196,6 +196,9 @@ impl Query {
     /// on which side of the surface it starts: many such answers are doubtful, and some report the
     /// surface itself again.
     ///
+    /// A ray that ends on another hit is in doubt there: whether two hits see each other,
+    /// [`Tracer::occluded_between`](super::Tracer::occluded_between) says.
+    ///
     /// Only that one root is left out. Where two surfaces coincide, as those of two solids that are
     /// cemented together, a ray that leaves one of them may meet the other at once, and a ray that
     /// leaves the other may meet the first again. So bound a loop that goes on from hit to hit.

@@ -4,6 +4,7 @@
 //! about what they leave undecided: one ray at a time (`singles`), in `packets` if rays are
 //! coherent, and else in `streams`.
 
+mod between;
 mod packets;
 mod singles;
 mod streams;

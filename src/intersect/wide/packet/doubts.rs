@@ -97,9 +97,11 @@ impl Doubts {
         let fitted = target.fitted();
         let terms = distances.terms(simd, sizes(simd, fitted), packet.sixteen(base));
         let weighted = error * f32x16::splat(simd, fitted.heaviest());
-        // False for NaN.
-        let known = lanes & lane_bits(terms.simd_le(f32x16::splat(simd, LARGEST)));
         let noise = terms * f32x16::splat(simd, DISTANCE_ROUNDING);
+        let [x, y] = leaf.half_side_lengths();
+        // Nothing can be proved where rounding hides the leaf; both are false for NaN.
+        let in_range = terms.simd_le(f32x16::splat(simd, LARGEST));
+        let known = lanes & lane_bits(in_range & noise.simd_lt(f32x16::splat(simd, x.min(y))));
         let chosen = mask32x16::from_bitmask(simd, u64::from(known));
         let at = self.count..self.count + LANES;
         for k in 0..2 {
@@ -107,7 +109,7 @@ impl Doubts {
                 let row = f32x16::from_slice(simd, &distances.of[k][m]);
                 row.compress(chosen).store_slice(&mut self.distances[k][m][at.clone()]);
             }
-            let length = f32x16::splat(simd, leaf.half_side_lengths()[k]);
+            let length = f32x16::splat(simd, [x, y][k]);
             length.store_slice(&mut self.lengths[k][at.clone()]);
         }
         let off_ray = noise + f32x16::splat(simd, leaf.fit_error()) + weighted;

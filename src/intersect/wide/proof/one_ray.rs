@@ -21,7 +21,7 @@ use fearless_simd_macros::simd;
 
 use super::bounds::{
     DISTANCE_ROUNDING, GROWN, LARGEST, LeafPart, MAY_STEP, MOST_INVERSE, MOST_NOISE, SMALLEST,
-    START_GROWN, UNDERFLOW,
+    START_GROWN, UNDERFLOW, hidden,
 };
 use super::cubic::{bernstein, moved, slope_weights};
 use crate::intersect::wide::search::one_ray::{Distances, transposed_rows};
@@ -68,10 +68,10 @@ pub(crate) fn isolate<S: Simd>(
     // nothing is proved of leaves thinner than f32 can resolve.
     let terms = distances.terms(simd, fitted, ray);
     let in_range = terms <= LARGEST; // false for NaN
-    if !in_range {
+    let noise = DISTANCE_ROUNDING * terms;
+    if !in_range || hidden(noise, lengths) {
         return None;
     }
-    let noise = DISTANCE_ROUNDING * terms;
     // A ray that passes within the error of a border meets it: what is closer than this is not
     // missed.
     let off_ray = leaf.fit_error() + noise + rounding::f32_above(weighted);

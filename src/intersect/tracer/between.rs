@@ -1,0 +1,128 @@
+//! Whether two hits see each other.
+
+use super::Tracer;
+use crate::intersect::{Hit, Occlusion, Query};
+use crate::math::Ray;
+
+/// The cosine between ray and normal below which the ray grazes the surface it ends on: a place
+/// across that surface says little about the place along the ray.
+const GRAZING: f64 = 1e-6;
+
+impl Tracer<'_> {
+    /// Whether anything lies between two hits.
+    ///
+    /// Neither hit is in its own way, and no epsilon keeps the ray away from them: what is met
+    /// first is compared with where the ray is meant to end. It is that place if it is as close to
+    /// it, across the surface there, as the errors of both allow. (A ray to a hit with an end at
+    /// that hit, as in `Ray::with_range(p, q - p, 0.0, 1.0)`, is no substitute: rounding decides
+    /// whether it meets the surface at its end, so most of its answers are doubtful.)
+    ///
+    /// The answer is doubtful where that of the ray is, and where a ray that grazes the surface at
+    /// its end meets something else that may be in that surface's plane. Two hits at one place see
+    /// each other.
+    pub fn occluded_between(&mut self, from: &Hit, to: &Hit) -> Occlusion {
+        let way = to.point - from.point;
+        let Ok(ray) = Ray::new(from.point, way) else { return Occlusion::default() };
+        let answer = self.first_hit(&Query::leaving(ray, from));
+        let Some(met) = answer.hit.filter(|hit| hit.t < 1.0) else {
+            return Occlusion { occluded: false, doubtful: answer.doubtful };
+        };
+        let End { is_end, grazes } = End::of(&met, to, &ray);
+        Occlusion { occluded: !is_end, doubtful: answer.doubtful || (grazes && !is_end) }
+    }
+}
+
+/// How a hit lies to the place where its ray is meant to end.
+struct End {
+    /// It is that place.
+    is_end: bool,
+    /// It is elsewhere on the ray, but not known to be off the surface there.
+    grazes: bool,
+}
+
+impl End {
+    fn of(met: &Hit, to: &Hit, ray: &Ray) -> Self {
+        // The ray's direction is off by the rounding of both points.
+        let size = ray.origin().abs().max(to.point.abs()).max_element();
+        let rounding = 4.0 * f64::EPSILON * size;
+        let across = |hit: &Hit| hit.root.error * f64::from(hit.root.cosine);
+        let off = met.point - to.point;
+        if to.normal.is_nan() || met.normal.is_nan() {
+            let is_end = off.length() <= 2.0 * (met.root.error + to.root.error) + rounding;
+            return Self { is_end, grazes: false };
+        }
+        let reach = 2.0 * (across(met) + across(to)) + rounding;
+        let direction = ray.direction().normalize_or_zero();
+        let is_in_plane = off.dot(to.normal).abs() <= reach;
+        let is_steep = direction.dot(to.normal).abs() > GRAZING;
+        let is_end = is_in_plane && (is_steep || off.length() <= 2.0 * reach);
+        Self { is_end, grazes: is_in_plane }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DAffine3, DVec3};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::geometry::{Surface, shapes};
+    use crate::intersect::SurfaceBvh;
+
+    /// A place on a surface, as a ray from the outside finds it.
+    fn hit(bvh: &SurfaceBvh, from: DVec3, towards: DVec3) -> Option<Hit> {
+        let ray = Ray::new(from, towards - from).ok()?;
+        bvh.tracer().first_hit(&ray).hit
+    }
+
+    /// Points of a sphere, seen from inside.
+    #[test]
+    fn all_points_of_a_convex_body_see_each_other() {
+        for size in [1e-6, 1.0, 1e6] {
+            let bvh = SurfaceBvh::build(&[shapes::sphere(size).unwrap()]).unwrap();
+            let places: Vec<Hit> = (0..60)
+                .map(|k| {
+                    let (sin, cos) = (2.4 * f64::from(k)).sin_cos();
+                    let z = (f64::from(k) + 0.5) / 30.0 - 1.0;
+                    let at = DVec3::new(cos, sin, 0.0) * (1.0 - z * z).sqrt() + z * DVec3::Z;
+                    hit(&bvh, DVec3::ZERO, size * at).unwrap()
+                })
+                .collect();
+            let mut tracer = bvh.tracer();
+            for a in &places {
+                for b in &places {
+                    let seen = tracer.occluded_between(a, b);
+                    assert_eq!(seen, Occlusion::default(), "{} to {}", a.point, b.point);
+                }
+            }
+        }
+    }
+
+    proptest! {
+        /// A ball hides one plate from another where it is nearer to the line between two of their
+        /// points than its radius.
+        #[test]
+        fn a_ball_between_two_plates(
+            [ax, ay, bx, by] in [-3.0..3.0, -3.0..3.0, -3.0..3.0, -3.0..3.0f64],
+        ) {
+            let lifted = DAffine3::from_translation(2.0 * DVec3::Z);
+            let middle = DAffine3::from_translation(DVec3::Z);
+            let plate = || shapes::plane(6.0, 6.0).unwrap();
+            let surfaces: Vec<Surface> = vec![
+                plate().into(),
+                plate().transformed(&lifted).unwrap().into(),
+                shapes::sphere(0.5).unwrap().transformed(&middle).unwrap().into(),
+            ];
+            let bvh = SurfaceBvh::build(&surfaces).unwrap();
+            let (a, b) = (DVec3::new(ax, ay, 0.0), DVec3::new(bx, by, 2.0));
+            // From outside, straight through the plates.
+            let from = hit(&bvh, a - DVec3::Z, a).unwrap();
+            let to = hit(&bvh, b + DVec3::Z, b).unwrap();
+            let nearest = (DVec3::Z - a).reject_from(b - a).length();
+            prop_assume!((nearest - 0.5).abs() > 1e-9);
+            let expected = Occlusion { occluded: nearest < 0.5, doubtful: false };
+            prop_assert_eq!(bvh.tracer().occluded_between(&from, &to), expected);
+            prop_assert_eq!(bvh.tracer().occluded_between(&to, &from), expected);
+        }
+    }
+}
