@@ -29,9 +29,12 @@ const BESIDE_POLE: f64 = 0.1;
 /// way.
 const STEADY: f64 = 16.0;
 
-/// The largest angle, in radians, by which rounding of the tangents may turn the normal beside a
-/// collapsed side.
-const TURNED_BY_TANGENTS: f64 = 1e-6;
+/// The largest angle, in radians, by which rounding may turn a normal that the pole beside it gives
+/// without a look at anything else.
+const TURNED_AT_POLE: f64 = 1e-9;
+
+/// The largest such angle of any normal beside a collapsed side.
+const TURNED_AT_MOST: f64 = 1e-6;
 
 /// The relative precision of an f64 that has lost half of its digits: sines and angles below it may
 /// be rounding error of what second derivatives decide.
@@ -208,7 +211,10 @@ impl Piece {
     /// half of the digits are right. Where second derivatives give no limit, and the tangents are
     /// only rounding error, nothing is known.
     pub fn normal(&self, st: DVec2, jet: &Jet) -> Option<DVec3> {
-        if let Some(normal) = self.normal_by_pole(st) {
+        let by_pole = self.normal_by_pole(st);
+        if let Some((normal, turned)) = by_pole
+            && turned <= TURNED_AT_POLE
+        {
             return Some(normal);
         }
         let error = self.patch.noise();
@@ -240,29 +246,28 @@ impl Piece {
         let limit = self.limit_beside(place, st).or_else(|| self.limit_beside(corner, st));
         let [p, q] = self.patch.degree().map(|degree| 2.0 * degree as f64 * error);
         let turned = (p * sides[1] + q * sides[0]) / cross.length();
-        let unit = cross.try_normalize();
-        match (limit, unit) {
-            // The tangents, as far as they are known, must not contradict it.
-            (Some(limit), Some(unit))
-                if limit.distance(unit) <= 4.0 * turned + TURNED_BY_TANGENTS =>
-            {
+        let by_tangents = cross.try_normalize().map(|unit| (unit, turned));
+        let both = by_pole.into_iter().chain(by_tangents);
+        match (limit, both.min_by(|a, b| a.1.total_cmp(&b.1))) {
+            // What is known of the normal here must not contradict it.
+            (Some(limit), Some((unit, turned))) if limit.distance(unit) <= 4.0 * turned => {
                 Some(limit)
             }
             (Some(limit), None) => Some(limit),
-            _ => unit.filter(|_| turned <= TURNED_BY_TANGENTS),
+            (_, known) => {
+                known.filter(|(_, turned)| *turned <= TURNED_AT_MOST).map(|(unit, _)| unit)
+            }
         }
     }
 
-    /// The unit normal from the pole of the only collapsed side that is near; `None` if there is no
-    /// such side, or its pole tells too little.
-    fn normal_by_pole(&self, st: DVec2) -> Option<DVec3> {
+    /// The unit normal from the pole of a collapsed side that is near, and the angle, in radians, by
+    /// which rounding may have turned it, from the pole that tells most; `None` if there is none.
+    fn normal_by_pole(&self, st: DVec2) -> Option<(DVec3, f64)> {
         let parameters = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
-        let mut near =
-            self.collapsed_sides().filter(|(side, _)| parameters[side.number()] <= BESIDE_POLE);
-        match (near.next(), near.next()) {
-            (Some(pole), None) => normal_by_pole(&self.patch, pole, st),
-            _ => None,
-        }
+        self.collapsed_sides()
+            .filter(|(side, _)| parameters[side.number()] <= BESIDE_POLE)
+            .filter_map(|pole| normal_by_pole(&self.patch, pole, st))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// The limit of the normal at a place, for another one beside it; `None` where the tangents
@@ -318,6 +323,22 @@ impl Piece {
         CollapsedSide::ALL
             .into_iter()
             .filter_map(|side| Some((side, self.collapsed(side.number())?)))
+    }
+
+    /// The directions that lead away from the pole at a collapsed side, along that side.
+    ///
+    /// Where `t` is zero on the side, the surface minus the pole is `t q Σ Bᵢ(s) wᵢ (Pᵢ − P) / W`
+    /// except for higher powers of `t`, with the control points `Pᵢ` of the next row: the directions
+    /// are those of a Bézier curve, whose control points these are.
+    pub(crate) fn away_from_pole(&self, side: CollapsedSide, pole: DVec3) -> Vec<DVec3> {
+        let (fixed, degree) = (side.parameter(), self.patch.degree());
+        let row = if side.end() == 0 { 1 } else { degree[fixed] - 1 };
+        let away = (0..=degree[1 - fixed]).map(|k| {
+            let [i, j] = if fixed == 0 { [row, k] } else { [k, row] };
+            let control = self.patch.control_point(i, j);
+            control.truncate() - control.w * pole
+        });
+        away.collect()
     }
 }
 

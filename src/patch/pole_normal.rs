@@ -12,18 +12,14 @@ use super::field::{Field, Net};
 use super::tensor::derivative_table;
 use super::{CollapsedSide, TensorPatch};
 
-/// The largest angle, in radians, by which the rounding of tangents may turn a normal that counts
-/// as known.
-const TURNED_AT_POLE: f64 = 1e-9;
-
-/// The unit normal of a patch at a place, from the pole at one of its sides; `None` where the pole
-/// tells too little about it, for example where the tangents away from the pole do not turn along
-/// the side.
+/// The unit normal of a patch at a place, from the pole at one of its sides, and the angle, in
+/// radians, by which the rounding of tangents may have turned it; `None` where the pole tells
+/// nothing about it, for example where the tangents away from the pole do not turn along the side.
 pub(super) fn normal_by_pole(
     patch: &TensorPatch,
     (side, pole): (CollapsedSide, DVec3),
     st: DVec2,
-) -> Option<DVec3> {
+) -> Option<(DVec3, f64)> {
     let (control, noise) = (patch.control_net(), patch.noise());
     let net = |degree, control| Net { degree, control, noise, rational: true, spacing: [0.0; 2] };
     let (degree @ [p, q], control) = net(patch.degree(), &control).with_collapsed_first(side);
@@ -52,10 +48,10 @@ pub(super) fn normal_by_pole(
     // as much again.
     let off = 2.0 * q as f64 * noise;
     let turned = off * (by_s.length() + 2.0 * p as f64 * across.length()) / cross.length();
-    let normal = cross.try_normalize().filter(|_| turned <= TURNED_AT_POLE)?;
+    let normal = cross.try_normalize()?;
     // Undoes the mirroring and swapping of the net.
     let backwards = mirrored != (fixed == 0);
-    Some(if backwards { -normal } else { normal })
+    Some((if backwards { -normal } else { normal }, turned))
 }
 
 #[cfg(test)]
@@ -88,7 +84,9 @@ mod tests {
                             let mut st = DVec2::splat(along);
                             let end = (side.number() % 2) as f64;
                             st[side.parameter()] = (end - distance).abs();
-                            let normal = normal_by_pole(&piece.patch, (side, pole), st).unwrap();
+                            let (normal, turned) =
+                                normal_by_pole(&piece.patch, (side, pole), st).unwrap();
+                            assert!(turned <= 1e-9, "{turned}");
                             let radius = piece.patch.point(st) - offset;
                             let outward = piece.patch.jet(DVec2::splat(0.5));
                             let outward = outward.ds.cross(outward.dt).dot(outward.point - offset);

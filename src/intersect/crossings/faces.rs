@@ -94,22 +94,11 @@ impl Face<'_> {
         Some(kept.map(turned).sum::<f64>().copysign(self.meeting.cosine))
     }
 
-    /// The angle around a pole: swept, along the collapsed side, by the direction that leads away
-    /// from the pole.
-    ///
-    /// Where `t` is zero on that side, the surface minus the pole is `t q Σ Bᵢ(s) wᵢ (Pᵢ − P) / W`
-    /// except for higher powers of `t`, with the control points `Pᵢ` of the next row: these
-    /// directions are those of a Bézier curve.
+    /// The angle around a pole: swept, along the collapsed side, by the
+    /// [direction](Piece::away_from_pole) that leads away from the pole.
     fn around_pole(&self, side: CollapsedSide, pole: DVec3) -> Option<f64> {
         let (piece, fixed) = (self.piece, side.parameter());
-        let degree = piece.patch.degree();
-        let row = if side.end() == 0 { 1 } else { degree[fixed] - 1 };
-        let away = (0..=degree[1 - fixed]).map(|k| {
-            let [i, j] = if fixed == 0 { [row, k] } else { [k, row] };
-            let control = piece.patch.control_point(i, j);
-            control.truncate() - control.w * pole
-        });
-        let away: Vec<DVec3> = away.collect();
+        let away = piece.away_from_pole(side, pole);
         // Where all of them are parallel, as at a cusp, they say nothing about its surroundings.
         let spans = |a: &DVec3, b: &DVec3| {
             a.cross(*b).length() > LEAST_SINE * a.length() * b.length() // false for zero

@@ -5,6 +5,7 @@ use glam::{DVec2, DVec3};
 use super::borders::{TRIM_SPARE, at_border, on_piece, root_reach, rounding_at};
 use super::grazing::KnownRoot;
 use super::meeting::Meeting;
+use super::pole_side::stands_still;
 use super::question::{PlacedLeaf, Question};
 use super::spot::Spot;
 use super::trim_side::trim_side;
@@ -211,11 +212,20 @@ impl<'a> Candidate<'a> {
     fn meeting(self) -> Meeting {
         let at_border = self.is_at_border();
         let Self { question, on_ray, error, z_error, normal, cosine, edge, mut flags, .. } = self;
-        let OnRay { spot: Spot { index, piece, st, jet }, z, residual, .. } = on_ray;
+        let OnRay { spot, z, residual, .. } = on_ray;
         let ray = question.ray;
         if at_border {
             flags.insert(HitFlags::BORDER);
         }
+        let aimed = AIMED * rounding_at(spot.jet.point, spot.piece, ray);
+        let is_at_pole = self.solution.proof == Proof::Collapsed;
+        let beyond = self.cut_off
+            || residual > aimed
+                && (self.moved || is_at_pole && spot.is_passed_outside_at_pole(ray, aimed));
+        if question.all_hits && at_border && stands_still(&spot, error) {
+            flags.insert(HitFlags::DOUBTFUL);
+        }
+        let Spot { index, piece, st, jet } = spot;
         let stretch = match self.solution.proof {
             Proof::Stretch(z) => Some(z.map(|z| z * ray.t_from_z)),
             _ => None,
@@ -234,8 +244,7 @@ impl<'a> Candidate<'a> {
             edge,
             cosine,
             stretch,
-            beyond: self.cut_off
-                || self.moved && residual > AIMED * rounding_at(jet.point, piece, ray),
+            beyond,
         }
     }
 }
