@@ -35,7 +35,7 @@ fn runs_back(curve: &NurbsCurve, which: &str, fold: Fold) -> ConstructError {
 /// goes on as its own mirror image. The two parts meet if the turn is at least the angle between
 /// them. The profile also folds where it is nearest to the axis, or farthest from it, in a plane
 /// across the axis. There the two parts begin together, and any turn takes some of the one over the
-/// other.
+/// other. All folds are looked at, as one that is allowed says nothing of the next.
 pub(crate) fn check_turned(
     profile: &NurbsCurve,
     axis: &Axis,
@@ -47,20 +47,22 @@ pub(crate) fn check_turned(
         let distance = axis.across(profile.point_at(profile.domain().0)).length();
         return Err(ConstructError::OneCircle { distance });
     }
-    let Some(Fold { t, twice, .. }) = course.fold() else { return Ok(()) };
-    let point = profile.point_at(t);
-    // Off the axis the two parts begin at angle 0.
     let reach = (0..profile.control().len()).map(|i| axis.across(profile.point(i)).length());
-    if axis.across(point).length() > ON_AXIS * reach.fold(0.0, f64::max) {
-        return Err(ConstructError::TurnsRound { t, point, twice });
+    let near = ON_AXIS * reach.fold(0.0, f64::max);
+    for Fold { t, twice, .. } in course.folds() {
+        let point = profile.point_at(t);
+        // Off the axis the two parts begin at angle 0.
+        if axis.across(point).length() > near {
+            return Err(ConstructError::TurnsRound { t, point, twice });
+        }
+        let [before, after] = twice.map(|t| axis.across(profile.point_at(t)));
+        let between = before.cross(after).length().atan2(before.dot(after));
+        if degrees.abs().to_radians() > between + SAME_DIRECTION {
+            let between = between.to_degrees();
+            return Err(ConstructError::CoversItself { t, point, twice, degrees, between });
+        }
     }
-    let [before, after] = twice.map(|t| axis.across(profile.point_at(t)));
-    let between = before.cross(after).length().atan2(before.dot(after));
-    if degrees.abs().to_radians() <= between + SAME_DIRECTION {
-        return Ok(());
-    }
-    let between = between.to_degrees();
-    Err(ConstructError::CoversItself { t, point, twice, degrees, between })
+    Ok(())
 }
 
 /// The distance from the axis within which a fold counts as on it, relative to the profile's

@@ -166,6 +166,37 @@ fn a_profile_and_its_mirror_image_about_the_axis() {
     assert_eq!(found(&polyline(&[[0.0, 2.0], [-1.0, 0.0], [0.0, 0.0]]), 360.0), Ok(()));
 }
 
+/// A profile may cross the axis and go on as its own mirror image, if it is turned by no more than
+/// half a turn; what comes before or after that counts all the same.
+#[test]
+fn a_profile_and_its_reverse_get_the_same_verdict() {
+    let space = |points: &[[f64; 3]]| {
+        NurbsCurve::polyline(&points.iter().copied().map(DVec3::from).collect::<Vec<_>>()).unwrap()
+    };
+    // Through the axis, up, and along a line that is nearest to the axis in its middle.
+    let crossing = [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [1.0, -1.0, 2.0], [1.0, 1.0, 2.0]];
+    // Twice through the axis.
+    let zigzag = [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [-1.0, 0.0, 1.0], [1.0, 0.0, 1.0]];
+    // Half as far on the other side, where it turns round off the axis.
+    let hook = [[2.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [-0.5, 0.5, 0.0], [-3.0, 0.5, 0.0]];
+    let cases: [(&[[f64; 3]], f64, bool); 7] = [
+        (&crossing, 180.0, false),
+        (&crossing[..2], 180.0, true),
+        (&crossing[2..], 180.0, false),
+        (&crossing[..3], 180.0, true),
+        (&zigzag, 180.0, true),
+        (&zigzag, 181.0, false),
+        (&hook, 90.0, false),
+    ];
+    for (points, degrees, allowed) in cases {
+        let profile = space(points);
+        for placed in [profile.clone(), profile.reversed()] {
+            let made = check_turned(&placed, &Axis::Z, degrees);
+            assert_eq!(made.is_ok(), allowed, "{points:?}, {degrees}: {made:?}");
+        }
+    }
+}
+
 #[test]
 fn a_profile_turned_within_a_plane_across_the_axis() {
     let found = |profile: &NurbsCurve, degrees: f64| {
