@@ -4,9 +4,14 @@ use glam::DVec3;
 
 use crate::math::rounding;
 
-/// The largest coordinate and the largest weight of a surface. Bounds on normals and
-/// curvatures are products of up to four lengths, and must not overflow (at 1.8e308).
+/// The largest coordinate of a surface or a curve, and the largest weight of a surface. Bounds on
+/// normals and curvatures are products of up to four lengths, and must not overflow (at 1.8e308).
 pub const MAX_MAGNITUDE: f64 = 1e70;
+
+/// Whether a point can be a control point: no coordinate is NaN, or beyond [`MAX_MAGNITUDE`].
+pub(crate) fn is_usable(point: DVec3) -> bool {
+    point.abs().cmple(DVec3::splat(MAX_MAGNITUDE)).all() // false for NaN
+}
 
 /// The smallest size and the smallest weight of a surface. The same products must not underflow
 /// (at 2e-308).

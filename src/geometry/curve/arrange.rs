@@ -5,6 +5,7 @@ use glam::{DAffine3, DVec3, DVec4, Vec4Swizzles};
 use super::{CurveError, NurbsCurve};
 use crate::geometry::KnotVector;
 use crate::geometry::affine::moved;
+use crate::geometry::magnitude::is_usable;
 
 /// Positions that differ by no more than this fraction of the largest coordinate are the same:
 /// several rounding errors of each.
@@ -35,9 +36,10 @@ impl NurbsCurve {
     /// The polygon through these points, of degree 1; its parameter is the arc length.
     ///
     /// # Errors
-    /// When there are fewer than two points, one is not finite, or two in a row coincide.
+    /// When there are fewer than two points, one is not finite or too large, or two in a row
+    /// coincide or are so close together that the arc length is the same to within rounding.
     pub fn polyline(points: &[DVec3]) -> Result<Self, CurveError> {
-        if let Some(index) = points.iter().position(|point| !point.is_finite()) {
+        if let Some(index) = points.iter().position(|&point| !is_usable(point)) {
             return Err(CurveError::Point { index, point: points[index] });
         }
         let mut knots = vec![0.0];
@@ -46,7 +48,13 @@ impl NurbsCurve {
             let before = length;
             length += pair[0].distance(pair[1]);
             if length == before {
-                return Err(CurveError::Coincide { first: index, second: index + 1 });
+                let [first, second] = [index, index + 1];
+                if pair[0] == pair[1] {
+                    return Err(CurveError::Coincide { first, second });
+                }
+                // The length of a very short vector is 0, as its square underflows.
+                let distance = (pair[1] - pair[0]).abs().max_element();
+                return Err(CurveError::TooClose { first, second, distance, length });
             }
             knots.push(length);
         }
@@ -138,5 +146,35 @@ mod tests {
         );
         assert!(NurbsCurve::polyline(&corners[..1]).is_err());
         assert!(NurbsCurve::polyline(&[DVec3::NAN, corners[0]]).is_err());
+    }
+
+    #[test]
+    fn polygons_whose_points_are_too_far_away_or_too_close_together() {
+        let message = |points: &[[f64; 3]]| {
+            let points: Vec<DVec3> = points.iter().copied().map(DVec3::from).collect();
+            NurbsCurve::polyline(&points).map(|_| ()).unwrap_err().to_string()
+        };
+        assert_eq!(
+            message(&[[0.0; 3], [1e17, 0.0, 0.0], [1e17, 1.0, 0.0]]),
+            "points 1 and 2 are too close together: they are 1 apart, less than the rounding error \
+             of the length up to there, 1e17"
+        );
+        assert_eq!(
+            message(&[[0.0; 3], [1e200, 0.0, 0.0]]),
+            "control point 1 is (1e200, 0, 0): coordinates must be finite (up to 1e70)"
+        );
+        assert_eq!(
+            message(&[[0.0; 3], [0.0, 1e-200, 0.0]]),
+            "points 0 and 1 are too close together: they are 1e-200 apart, less than the rounding \
+             error of the length up to there, 0"
+        );
+        let far = [[0.0; 3], [1e70, 0.0, 0.0]].map(DVec3::from);
+        assert_eq!(NurbsCurve::polyline(&far).unwrap().ends(), far);
+        let points = vec![DVec3::ZERO, DVec3::new(0.0, -1e71, 0.0)];
+        for weights in [None, Some(vec![1.0, 1e-3])] {
+            let knots = KnotVector::bezier(1).unwrap();
+            let error = NurbsCurve::new(knots, points.clone(), weights).unwrap_err();
+            assert_eq!(error, CurveError::Point { index: 1, point: points[1] });
+        }
     }
 }

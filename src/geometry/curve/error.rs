@@ -32,8 +32,12 @@ pub enum CurveError {
         /// The number of control points.
         points: usize,
     },
-    /// A control point, or its product with its weight, is NaN or infinite.
-    #[error("control point {index} is {}: it must be finite", ShownVector(*.point))]
+    /// A coordinate of a control point is NaN, infinite, or beyond [`MAX_MAGNITUDE`], or its product
+    /// with the point's weight is infinite.
+    #[error(
+        "control point {index} is {}: coordinates must be finite (up to {MAX_MAGNITUDE:e})",
+        ShownVector(*.point)
+    )]
     Point {
         /// Which control point, counted from 0.
         index: usize,
@@ -65,6 +69,22 @@ pub enum CurveError {
         first: usize,
         /// The second of the two points.
         second: usize,
+    },
+    /// Two points differ by less than the rounding error of the parameter there, the arc length.
+    #[error(
+        "points {first} and {second} are too close together: they are {} apart, less than the \
+         rounding error of the length up to there, {}",
+        Measured(*.distance), Measured(*.length)
+    )]
+    TooClose {
+        /// The first of the two points, counted from 0.
+        first: usize,
+        /// The second of the two points.
+        second: usize,
+        /// How far apart they are.
+        distance: f64,
+        /// The length of the curve up to them.
+        length: f64,
     },
     /// A radius is not a usable length.
     #[error("radius {}: it must be positive and finite", Shown(*.radius))]

@@ -4,6 +4,7 @@ use glam::{DVec3, DVec4, Vec4Swizzles};
 
 use super::CurveError;
 use crate::geometry::knots::MAX_DEGREE;
+use crate::geometry::magnitude::is_usable;
 use crate::geometry::polygon::elevate;
 use crate::geometry::polygon::{merged, mix_by, refine, restrict, shares};
 use crate::geometry::{KnotError, KnotVector};
@@ -13,7 +14,8 @@ use crate::geometry::{KnotError, KnotVector};
 ///
 /// # Invariants, checked once on construction
 /// - there are as many control points as the knots ask for;
-/// - all coordinates are finite, all weights positive, finite and not subnormal.
+/// - no coordinate is larger than [`MAX_MAGNITUDE`](crate::geometry::MAX_MAGNITUDE), all weights are
+///   positive, finite and not subnormal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NurbsCurve {
     knots: KnotVector,
@@ -47,7 +49,7 @@ impl NurbsCurve {
             let (weights, points) = (weights.len(), points.len());
             return Err(CurveError::WeightCount { weights, points });
         }
-        if let Some(index) = points.iter().position(|point| !point.is_finite()) {
+        if let Some(index) = points.iter().position(|&point| !is_usable(point)) {
             return Err(CurveError::Point { index, point: points[index] });
         }
         let control = points.iter().zip(&weights).map(|(&point, &w)| (w * point).extend(w));
@@ -70,7 +72,7 @@ impl NurbsCurve {
                 return Err(CurveError::Weight { index, weight });
             }
             let euclidean = point.xyz() / weight;
-            if !point.is_finite() || !euclidean.is_finite() {
+            if !point.is_finite() || !is_usable(euclidean) {
                 return Err(CurveError::Point { index, point: euclidean });
             }
         }

@@ -180,7 +180,7 @@ fn errors_tell_what_is_needed() {
     );
     assert_eq!(
         message(&[DVec3::ZERO, DVec3::X, DVec3::NAN], None),
-        "control point 2 is (NaN, NaN, NaN): it must be finite"
+        "control point 2 is (NaN, NaN, NaN): coordinates must be finite (up to 1e70)"
     );
     let curve = NurbsCurve::new(knots, points, None).unwrap();
     assert_eq!(

@@ -4,7 +4,7 @@ use glam::{DVec3, DVec4, Vec4Swizzles};
 
 use super::{Direction, SurfaceError};
 use crate::geometry::KnotVector;
-use crate::geometry::magnitude::{Extent, MAX_MAGNITUDE, MIN_MAGNITUDE, extent};
+use crate::geometry::magnitude::{Extent, MAX_MAGNITUDE, MIN_MAGNITUDE, extent, is_usable};
 
 /// A tensor-product NURBS surface `S(u, v) = Σ Nᵢ(u) Nⱼ(v) wᵢⱼ Pᵢⱼ / Σ Nᵢ(u) Nⱼ(v) wᵢⱼ`.
 ///
@@ -39,7 +39,7 @@ impl NurbsSurface {
     ) -> Result<Self, SurfaceError> {
         check_count(&knots_u, &knots_v, points.len())?;
         let nv = knots_v.point_count();
-        if let Some(k) = points.iter().position(|point| !usable_point(*point)) {
+        if let Some(k) = points.iter().position(|point| !is_usable(*point)) {
             return Err(SurfaceError::Point { i: k / nv, j: k % nv, point: points[k] });
         }
         let weights = weights.unwrap_or_else(|| vec![1.0; points.len()]);
@@ -70,7 +70,7 @@ impl NurbsSurface {
             if !Self::usable_weight(weight) {
                 return Err(SurfaceError::Weight { i, j, weight });
             }
-            if !usable_point(point.xyz() / weight) {
+            if !is_usable(point.xyz() / weight) {
                 return Err(SurfaceError::Point { i, j, point: point.xyz() / weight });
             }
         }
@@ -217,11 +217,6 @@ fn check_domain(direction: Direction, knots: &KnotVector) -> Result<(), SurfaceE
         return Ok(());
     }
     Err(SurfaceError::Domain { direction, start, end })
-}
-
-/// Whether a point can be a control point.
-fn usable_point(point: DVec3) -> bool {
-    point.abs().cmple(DVec3::splat(MAX_MAGNITUDE)).all() // false for NaN
 }
 
 /// Checks the number of control points; the product may overflow, as counts come from files.
