@@ -1,9 +1,14 @@
 //! Trims as written, checked and made.
 
+use std::borrow::Cow;
+
 use glam::DVec2;
 
 use super::curve::CurveFault;
-use super::{CurveSpec, LoopKind, LoopSense, LoopSpec, Place, SceneError, SceneFault, TrimSpec};
+use super::{
+    CurveKind, CurveSpec, Knots, LoopKind, LoopSense, LoopSpec, Place, SceneError, SceneFault,
+    TrimSpec, Written,
+};
 use crate::geometry::trim::{
     Coverage, Kept, Side, TrimCurve, TrimDomain, TrimError, TrimLoop, TrimLoopError, Trims,
 };
@@ -150,7 +155,7 @@ fn trim_curve(
         let fault = SceneFault::TrimCurve { surface, trim_loop, curve, error };
         SceneError::new(place.clone(), fault)
     };
-    let made = curve.curve().map_err(|fault| match fault {
+    let made = on_even_knots(curve).curve().map_err(|fault| match fault {
         CurveFault::Curve(place, error) => fails(&place, error.into()),
         CurveFault::Transform(place, error) => {
             let object = format!("{name}, loop {index}, curve {at}");
@@ -158,4 +163,67 @@ fn trim_curve(
         }
     })?;
     TrimCurve::nurbs(&made).map_err(|error| fails(&curve.place, error.into()))
+}
+
+/// The same curve, a polyline with evenly spaced knots. Its own parameter, the arc length, needs
+/// points that differ, and trims need no parameter: files written by modelling programs have loops
+/// with sides of length zero, at poles of the surface. Those are dropped like the sides of a
+/// [`LoopKind::Polygon`] whose corners are repeated.
+fn on_even_knots(curve: &CurveSpec) -> Cow<'_, CurveSpec> {
+    let CurveKind::Polyline(points) = &curve.kind else { return Cow::Borrowed(curve) };
+    if points.len() < 2 {
+        return Cow::Borrowed(curve);
+    }
+    let knots = Written { value: Knots::Uniform, place: curve.place.clone() };
+    let kind = CurveKind::Nurbs { degree: 1, knots, points: points.clone(), weights: None };
+    Cow::Owned(CurveSpec { kind, ..curve.clone() })
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::geometry::shapes;
+
+    fn polyline(points: &[[f64; 2]]) -> CurveSpec {
+        let points = points.iter().map(|&[u, v]| DVec3::new(u, v, 0.0)).collect();
+        let kind = CurveKind::Polyline(points);
+        CurveSpec { place: Place::default(), kind, transform: Vec::new(), reverse: false }
+    }
+
+    /// A triangle with a corner twice, and with a side of length zero, is the triangle.
+    #[test]
+    fn sides_of_length_zero_are_dropped() {
+        let [a, b, c] = [[0.1, 0.1], [0.9, 0.1], [0.5, 0.5]];
+        let loops: [&[&[[f64; 2]]]; 5] = [
+            &[&[a, b, c, a]],
+            &[&[a, b, b, b, c], &[c, a, a]],
+            &[&[a, b, c], &[c, c], &[c, a]],
+            &[&[a, a, a], &[a, b, c, a]],
+            // The length up to the second corner rounds the distance to the next one away.
+            &[&[a, b, [0.9, 0.1_f64.next_up()], c, a]],
+        ];
+        for curves in loops {
+            let curves = curves.iter().map(|points| polyline(points)).collect();
+            let place = Place::default();
+            let one =
+                LoopSpec { place: place.clone(), kind: LoopKind::Curves(curves), sense: None };
+            let trims = TrimSpec { place, kept: Kept::Odd, loops: vec![one] };
+            let made = trims.trimmed("plane", shapes::cylinder(1.0, 1.0).unwrap()).unwrap();
+            let corners: Vec<DVec2> = made.trims().joints().collect();
+            assert!(
+                [a, b, c].iter().all(|&corner| corners.contains(&corner.into())),
+                "{corners:?}"
+            );
+            assert_eq!(made.trims().contains(DVec2::new(0.5, 0.3)), Side::Inside);
+            assert_eq!(made.trims().contains(DVec2::new(0.5, 0.6)), Side::Outside);
+        }
+    }
+
+    #[test]
+    fn a_polyline_needs_two_points_all_the_same() {
+        let alone = trim_curve("plane", [0, 0], &polyline(&[[0.1, 0.1]])).unwrap_err();
+        assert!(alone.to_string().contains("plane"), "{alone}");
+    }
 }
