@@ -8,7 +8,8 @@ pub(super) struct Made {
     /// What it is called within its object; may be empty.
     pub(super) name: String,
     pub(super) surface: Surface,
-    /// A bound of the distance in space; 0 where it is exact.
+    /// The distance in space, as [`Instance::deviation`](super::Instance::deviation); 0 where it is
+    /// exact.
     pub(super) deviation: f64,
 }
 

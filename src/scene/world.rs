@@ -39,8 +39,8 @@ pub struct Instance {
     pub surface: Surface,
     /// Its material, an index into [`World::materials`].
     pub material: usize,
-    /// Error bound of the surface in space, against what the scene asks for: 0 if it is exact, a
-    /// measured bound if a construction had to approximate, a proved one for limit surfaces.
+    /// Error of the surface in space, against what the scene asks for: 0 if it is exact, a measured
+    /// estimate if a construction had to approximate, a proved bound for limit surfaces.
     pub deviation: f64,
 }
 

@@ -11,7 +11,8 @@ pub struct Component {
     pub kind: ComponentKind,
     /// The surface.
     pub surface: NurbsSurface,
-    /// Bound on the distance of the surface from the true one; 0 where it is exact.
+    /// A measured estimate of the largest distance of the surface from the true one, as
+    /// [`Sweep::deviation`](super::Sweep::deviation); 0 where it is exact.
     pub deviation: f64,
 }
 

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::axis_points::cut_at_axis;
+use super::error::net_size;
 use super::fold::check_turned;
 use super::{Axis, ConstructError};
 use crate::geometry::shapes::{Turned, UnitArc, turned_net};
@@ -40,7 +41,7 @@ fn turned(point: DVec3, weight: f64, axis: &Axis) -> Turned {
 ///
 /// # Errors
 /// When the angle is zero or more than a full turn, or the profile lies on the axis, runs back
-/// over itself, or is turned onto another part of itself.
+/// over itself, or is turned onto another part of itself; when the surface would be too large.
 pub fn revolve(
     profile: &NurbsCurve,
     axis: &Axis,
@@ -58,9 +59,11 @@ pub fn revolve(
     if points(profile).iter().all(|point| point.across == DVec3::ZERO) {
         return Err(ConstructError::OnAxis);
     }
+    let arc = UnitArc::new(0.0, degrees);
+    net_size(arc.points.len(), profile.control().len())?;
     check_turned(profile, axis, degrees)?;
     let profile = &cut_at_axis(profile, axis)?;
-    let arc = UnitArc::new(0.0, degrees);
+    net_size(arc.points.len(), profile.control().len())?; // there may be more knots now
     let net = turned_net(&arc.points, &points(profile));
     Ok(NurbsSurface::from_homogeneous(arc.knots, profile.knots().clone(), net)?)
 }

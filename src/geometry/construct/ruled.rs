@@ -3,6 +3,7 @@
 use glam::{DVec3, DVec4};
 
 use super::compatible::{compatible, same_weights};
+use super::error::net_size;
 use super::fold::{check_fold, check_moved};
 use super::{ConstructError, DirectionOf};
 use crate::geometry::curve::SAME_PLACE;
@@ -19,7 +20,7 @@ use crate::math::ShownVector;
 /// # Errors
 /// When the vector is zero, not finite, or within rounding of the profile's coordinates; when the
 /// profile runs back over itself; or when it does so as seen along the vector, as a circle does in
-/// its own plane: it would pass over the same places twice.
+/// its own plane: it would pass over the same places twice; or when the surface would be too large.
 pub fn extrude(profile: &NurbsCurve, by: DVec3) -> Result<NurbsSurface, ConstructError> {
     let usable = by.is_finite() && by != DVec3::ZERO;
     if !usable {
@@ -29,10 +30,12 @@ pub fn extrude(profile: &NurbsCurve, by: DVec3) -> Result<NurbsSurface, Construc
         let which = format!("the profile and itself moved by {}", ShownVector(by));
         return Err(ConstructError::NothingBetween { which });
     }
+    let size = net_size(profile.control().len(), 2)?;
     check_fold(profile, "profile")?;
     check_moved(profile, by, "profile")?;
     let moved = |point: &DVec4| [*point, *point + (point.w * by).extend(0.0)];
-    let net = profile.control().iter().flat_map(moved).collect();
+    let mut net = Vec::with_capacity(size);
+    net.extend(profile.control().iter().flat_map(moved));
     Ok(NurbsSurface::from_homogeneous(profile.knots().clone(), unit_knots(1), net)?)
 }
 

@@ -282,3 +282,18 @@ fn sweeps_and_tubes() {
     let cusp = bezier(&[[0.0; 3], [9.0, 9.0, 0.0], [0.0, 9.0, 0.0], [9.0, 0.0, 0.0]]);
     assert!(matches!(tube(&cusp, &thin), Err(ConstructError::Fold { what: "tube", .. })));
 }
+
+/// Curves of so many points that the surface would be too large are refused before anything else is
+/// looked at, and before anything is allocated.
+#[test]
+fn surfaces_of_too_many_points() {
+    let limit = 1 << 24;
+    let still = |count: usize| {
+        let knots = KnotVector::clamped_uniform(1, count).unwrap();
+        NurbsCurve::from_homogeneous(knots, vec![DVec3::X.extend(1.0); count]).unwrap()
+    };
+    let (around, along) = (limit / 9 + 1, limit / 2 + 1);
+    let refused = |nu, nv| ConstructError::TooLarge { nu, nv, limit };
+    assert_eq!(revolve(&still(around), &Axis::Z, 360.0).unwrap_err(), refused(9, around));
+    assert_eq!(extrude(&still(along), DVec3::Y).unwrap_err(), refused(along, 2));
+}

@@ -31,14 +31,15 @@ impl Default for SweepOptions {
     }
 }
 
-/// A swept surface, and the bound on its distance from the true sweep.
+/// A swept surface, and a measured estimate of its distance from the true sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
     /// The surface: `u` runs along the profile, `v` along the path, on their own domains.
     pub surface: NurbsSurface,
-    /// 0 where the surface is exact, else a bound on its distance from the true sweep at the same
-    /// parameters, in scene units: 9/8 of the largest distance found at seven places of each piece
-    /// along the path, for all of the profile's control points. Never more than the tolerance.
+    /// 0 where the surface is exact, else a measured estimate of its largest distance from the true
+    /// sweep at the same parameters, in scene units: 9/8 of the largest distance found at seven
+    /// places of each piece along the path, for all of the profile's control points. It is not a
+    /// proved bound. Never more than the tolerance.
     pub deviation: f64,
 }
 
