@@ -151,8 +151,8 @@ fn the_tightest_line_of_all_is_told() {
         iso_curves(sheets, &iso_lines([&[0.5], &[0.5], &[]]), &thin(radius), ENOUGH)
     };
     // z = 2 h t (1 − t), y = 2 t − 1: in the middle, z″ = −h as a function of y.
-    let told = "u = 0.5: the tube folds, most of all at t = 0.5 of the curve: the curve bends with \
-                radius 0.5 there, and the tube reaches 3 towards the centre";
+    let told = "u = 0.5: the tube folds, most of all at t = 0.5 of the curve, (2, 0, 1): the curve \
+                bends with radius 0.5 there, and the tube reaches 3 towards the centre";
     assert_eq!(made(&sheets, 3.0).unwrap_err().to_string(), format!("surface 1, {told}"));
     assert_eq!(made(&sheets[1..2], 3.0).unwrap_err().to_string(), told);
     assert!(made(&sheets, 0.5001).is_err());

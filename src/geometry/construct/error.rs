@@ -217,36 +217,45 @@ pub enum ConstructError {
         second: usize,
     },
     /// A path has no direction at a parameter.
-    #[error("the {path} stands still at t = {}: it has no direction there", Measured(*.t))]
+    #[error(
+        "the {path} stands still at t = {}, {}: it has no direction there",
+        Measured(*.t), MeasuredPoint(*.point)
+    )]
     StandsStill {
         /// What it is called: `path`, or `curve` where a tube or ribbon is made around it.
         path: &'static str,
         /// The parameter.
         t: f64,
+        /// The place.
+        point: DVec3,
     },
     /// A path is not connected.
     #[error(
-        "the {path} has a gap at t = {}, {} wide: it must be connected",
-        Measured(*.t), Measured(*.gap)
+        "the {path} has a gap at t = {}, {}, {} wide: it must be connected",
+        Measured(*.t), MeasuredPoint(*.point), Measured(*.gap)
     )]
     Gap {
         /// What it is called.
         path: &'static str,
         /// The parameter.
         t: f64,
+        /// The place at which it ends there.
+        point: DVec3,
         /// How wide it is.
         gap: f64,
     },
     /// The direction of a path jumps.
     #[error(
-        "the {path} has a kink of {}° at t = {}: it must be smooth; split it there",
-        Measured(*.degrees), Measured(*.t)
+        "the {path} has a kink of {}° at t = {}, {}: it must be smooth; split it there",
+        Measured(*.degrees), Measured(*.t), MeasuredPoint(*.point)
     )]
     Kink {
         /// What it is called.
         path: &'static str,
         /// The parameter.
         t: f64,
+        /// The place.
+        point: DVec3,
         /// By how much it turns.
         degrees: f64,
     },
@@ -373,9 +382,9 @@ pub enum ConstructError {
     /// A sweep would run backwards where its path bends; the fields give the place where it would
     /// most.
     #[error(
-        "the {what} folds, most of all at t = {} of the {path}: the {path} bends with radius {} \
+        "the {what} folds, most of all at t = {} of the {path}, {}: the {path} bends with radius {} \
          there, and the {} reaches {} towards the centre",
-        Measured(*.t), AtLeast(*.radius), if *.what == "sweep" { "profile" } else { .what },
+        Measured(*.t), MeasuredPoint(*.point), AtLeast(*.radius), if *.what == "sweep" { "profile" } else { .what },
         Measured(*.reach)
     )]
     Fold {
@@ -385,6 +394,8 @@ pub enum ConstructError {
         path: &'static str,
         /// The path's parameter.
         t: f64,
+        /// The place on the path.
+        point: DVec3,
         /// The path's radius of curvature. A thinner tube does not fold, so messages round the
         /// radius down.
         radius: f64,
@@ -451,9 +462,9 @@ pub enum ConstructError {
     },
     /// A tolerance is finer than rounding, or than a sensible number of pieces.
     #[error(
-        "the tolerance {} cannot be held: at t = {} of the {path}, {} is left after as many \
-         halvings as there may be",
-        Measured(*.tolerance), Measured(*.t), Measured(*.deviation)
+        "the tolerance {} cannot be held: at t = {} of the {path}, {}, a deviation of {} is left \
+         after as many halvings as there may be",
+        Measured(*.tolerance), Measured(*.t), MeasuredPoint(*.point), Measured(*.deviation)
     )]
     NotHeld {
         /// What the path is called.
@@ -462,8 +473,10 @@ pub enum ConstructError {
         tolerance: f64,
         /// The deviation that is left.
         deviation: f64,
-        /// Where.
+        /// The path's parameter where it is.
         t: f64,
+        /// The place on the path.
+        point: DVec3,
     },
     /// Two borders of a Coons patch do not meet.
     #[error(

@@ -142,11 +142,11 @@ impl MovingFrames {
                 }
             }
         }
-        let Bend { most, t, radius } = worst;
+        let Bend { most, t, point, radius } = worst;
         if most >= 1.0 {
             let (what, path) = ("sweep", "path");
             let reach = most * radius;
-            return Err(ConstructError::Fold { what, path, t, radius, reach });
+            return Err(ConstructError::Fold { what, path, t, point, radius, reach });
         }
         Ok(())
     }
@@ -169,7 +169,7 @@ impl MovingFrames {
         let bend = (path.second - path.second.dot(along) * along) / (speed * speed);
         let reach = |p: &DVec3| bend.dot(p.x * carrier.axes[0] + p.y * carrier.axes[1]);
         let most = points.iter().map(reach).fold(0.0, f64::max);
-        Ok(Bend { most, t, radius: 1.0 / bend.length() })
+        Ok(Bend { most, t, point: path.point, radius: 1.0 / bend.length() })
     }
 
     /// The worst place between two places that have a worse one between them, by golden sections.
@@ -207,11 +207,12 @@ struct Bend {
     /// How far the profile reaches towards the centre of curvature, in radii of curvature.
     most: f64,
     t: f64,
+    point: DVec3,
     radius: f64,
 }
 
 impl Bend {
-    const STRAIGHT: Self = Self { most: 0.0, t: 0.0, radius: f64::INFINITY };
+    const STRAIGHT: Self = Self { most: 0.0, t: 0.0, point: DVec3::ZERO, radius: f64::INFINITY };
 
     /// The worse of two bends; `self` if they are equally bad.
     fn or(self, other: Self) -> Self {
@@ -276,8 +277,8 @@ pub(crate) fn approximate(
                 || middle <= a
                 || middle >= b;
             if exhausted {
-                let (path, deviation) = ("path", off);
-                return Err(ConstructError::NotHeld { path, tolerance, deviation, t: a });
+                let (path, deviation, t, point) = ("path", off, a, piece.curve.point_at(a));
+                return Err(ConstructError::NotHeld { path, tolerance, deviation, t, point });
             }
             waiting.extend([(middle, b), (a, middle)]);
         }

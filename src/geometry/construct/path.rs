@@ -34,7 +34,7 @@ pub(crate) fn direction(curve: &NurbsCurve, t: f64) -> Result<DVec3, ConstructEr
     } else {
         unit(at.first)
     };
-    found.ok_or(ConstructError::StandsStill { path: "path", t })
+    found.ok_or_else(|| ConstructError::StandsStill { path: "path", t, point: curve.point_at(t) })
 }
 
 /// The angle between two unit vectors in radians, accurate for small angles too.
@@ -60,9 +60,10 @@ pub(crate) fn kinks(curve: &NurbsCurve) -> Result<Vec<Kink>, ConstructError> {
     let mut found = Vec::new();
     for pair in pieces.windows(2) {
         let t = pair[1].domain().0;
-        let gap = pair[0].point_at(t).distance(pair[1].point_at(t));
+        let point = pair[0].point_at(t);
+        let gap = point.distance(pair[1].point_at(t));
         if gap > same_place {
-            return Err(ConstructError::Gap { path: "path", t, gap });
+            return Err(ConstructError::Gap { path: "path", t, point, gap });
         }
         let angle = angle(direction(&pair[0], t)?, direction(&pair[1], t)?);
         if angle > SAME_DIRECTION {

@@ -42,7 +42,8 @@ pub(crate) fn without_stops(curve: &NurbsCurve) -> Result<NurbsCurve, ConstructE
     }
     let (start, end) = curve.domain();
     if moving.is_empty() {
-        return Err(ConstructError::StandsStill { path: "path", t: start });
+        let point = pieces[0].point_at(start);
+        return Err(ConstructError::StandsStill { path: "path", t: start, point });
     }
     let joined = moving.windows(2).all(|pair| {
         let [a, b] = [pair[0].control[pair[0].control.len() - 1], pair[1].control[0]];
@@ -196,7 +197,7 @@ mod tests {
         let still = curve(2, &[[1.0, 1.0], [1.0, 1.0], [1.0, 1.0]]);
         assert_eq!(
             without_stops(&still).unwrap_err(),
-            ConstructError::StandsStill { path: "path", t: 0.0 }
+            ConstructError::StandsStill { path: "path", t: 0.0, point: DVec3::new(1.0, 1.0, 0.0) }
         );
     }
 

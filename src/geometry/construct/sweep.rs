@@ -58,7 +58,8 @@ pub fn sweep(
     check_fold(path, "path")?;
     let path = without_stops(path)?.clamped();
     if let Some(kink) = kinks(&path)?.first() {
-        return Err(ConstructError::Kink { path: "path", t: kink.t, degrees: kink.degrees });
+        let (t, degrees, point) = (kink.t, kink.degrees, path.point_at(kink.t));
+        return Err(ConstructError::Kink { path: "path", t, point, degrees });
     }
     let first = Frame::first(&path, options.up)?;
     let constant = options.scale.iter().all(|&factor| factor == options.scale[0]);
@@ -195,7 +196,8 @@ fn along_a_circle(
     if nearest <= SAME_PLACE * radius {
         let reach = radius - nearest;
         let (what, called, t) = ("sweep", "path", path.domain().0);
-        return Err(ConstructError::Fold { what, path: called, t, radius, reach });
+        let point = frame.origin;
+        return Err(ConstructError::Fold { what, path: called, t, point, radius, reach });
     }
     net_size(profile.control().len(), circle.points.len())?;
     let axis = circle.across.cross(circle.ahead);

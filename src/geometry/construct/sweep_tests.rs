@@ -268,12 +268,12 @@ fn what_cannot_be_swept() {
     let polygon = NurbsCurve::polyline(&corner).unwrap();
     assert_eq!(
         message(&circle(0.1), &polygon, &plain),
-        "the path has a kink of 90° at t = 1: it must be smooth; split it there"
+        "the path has a kink of 90° at t = 1, (1, 0, 0): it must be smooth; split it there"
     );
     // An arc of radius 2 up to rounding.
     let folded = message(&circle(3.0), &circle(2.0), &plain);
     assert!(folded.starts_with(
-        "the sweep folds, most of all at t = 0 of the path: the path bends with radius 2"
+        "the sweep folds, most of all at t = 0 of the path, (2, 0, 0): the path bends with radius 2"
     ));
     assert!(folded.ends_with("there, and the profile reaches 3 towards the centre"), "{folded}");
     let parabola = NurbsCurve::bezier(&[DVec3::ZERO, DVec3::X, DVec3::new(2.0, 0.0, 2.0)]).unwrap();
@@ -285,12 +285,12 @@ fn what_cannot_be_swept() {
     let still = NurbsCurve::uniform_bspline(3, &still).unwrap();
     assert_eq!(
         message(&circle(0.1), &still, &plain),
-        "the path has a kink of 120° at t = 6: it must be smooth; split it there"
+        "the path has a kink of 120° at t = 6, (1, 0, 0): it must be smooth; split it there"
     );
     let nowhere = NurbsCurve::bezier(&[DVec3::X; 3]).unwrap();
     assert_eq!(
         message(&circle(0.1), &nowhere, &plain),
-        "the path stands still at t = 0: it has no direction there"
+        "the path stands still at t = 0, (1, 0, 0): it has no direction there"
     );
     // Profiles that leave their plane, along a straight path.
     let upright = |points: &[[f64; 2]]| {

@@ -269,8 +269,8 @@ mod tests {
         // P = (2 t, 4 t (1 − t)): in the middle P′ = (2, 0), P″ = (0, −8).
         assert_eq!(
             error,
-            "the tube folds, most of all at t = 0.5 of the curve: the curve bends with radius 0.5 \
-             there, and the tube reaches 2 towards the centre"
+            "the tube folds, most of all at t = 0.5 of the curve, (1, 1, 0): the curve bends with \
+             radius 0.5 there, and the tube reaches 2 towards the centre"
         );
         let wide = RibbonStyle { width: 4.0, up: Some(DVec3::Z), ..RibbonStyle::default() };
         let error = ribbon(&bend, &wide).unwrap_err().to_string();
@@ -281,7 +281,7 @@ mod tests {
         let nowhere = NurbsCurve::bezier(&[DVec3::X; 3]).unwrap();
         assert_eq!(
             tube(&nowhere, &TubeStyle { radius: 0.1, ..thick }).unwrap_err().to_string(),
-            "the curve stands still at t = 0: it has no direction there"
+            "the curve stands still at t = 0, (1, 0, 0): it has no direction there"
         );
     }
 }

@@ -63,7 +63,8 @@ pub(super) fn parts(curve: &NurbsCurve, radius: f64) -> Result<Parts, ConstructE
 /// parameter of the line runs.
 pub(super) fn cylinder([a, b]: [DVec3; 2], radius: f64) -> Result<Component, ConstructError> {
     let around = || ConstructError::of("tube");
-    let along = unit(b - a).ok_or(ConstructError::StandsStill { path: "curve", t: 0.0 })?;
+    let still = ConstructError::StandsStill { path: "curve", t: 0.0, point: a };
+    let along = unit(b - a).ok_or(still)?;
     let circle = circle_arc(radius, 0.0, 360.0).map_err(around())?;
     let placed = circle.transformed(&frame_at(a, along)).map_err(around())?;
     Ok(Component::exact(ComponentKind::Tube, extrude(&placed, b - a)?))
