@@ -48,6 +48,9 @@ mod places;
 mod revolve;
 mod ruled;
 #[cfg(test)]
+mod sliver_tests;
+mod slivers;
+#[cfg(test)]
 mod sound_tests;
 mod stops;
 mod styles;

@@ -152,7 +152,8 @@ impl MovingFrames {
     }
 
     /// The bend of a piece at a place, from 0 to [`FOLD_SAMPLES`] along the piece, and how far the
-    /// points of a profile reach.
+    /// points of a profile reach. Only as much of the bend counts as is not rounding: on a piece
+    /// that is very short, the curvature that its control points seem to have may be nothing else.
     fn bend(
         &self,
         piece: &PieceFrames,
@@ -168,7 +169,8 @@ impl MovingFrames {
         let along = path.first / speed;
         let bend = (path.second - path.second.dot(along) * along) / (speed * speed);
         let reach = |p: &DVec3| bend.dot(p.x * carrier.axes[0] + p.y * carrier.axes[1]);
-        let most = points.iter().map(reach).fold(0.0, f64::max);
+        let sure = (1.0 - piece.curve.curvature_error(t) / bend.length()).max(0.0); // 0 for NaN
+        let most = sure * points.iter().map(reach).fold(0.0, f64::max);
         Ok(Bend { most, t, point: path.point, radius: 1.0 / bend.length() })
     }
 
@@ -244,9 +246,10 @@ const MAX_PIECES: usize = 4096;
 /// The number of places inside each piece at which the deviation is measured.
 const PLACES: usize = 7;
 
-/// The largest distance along a piece, as a multiple of the largest at those places. The error of
-/// Hermite's cubic is `t² (1 − t)²` times a nearly constant factor, and largest in the middle of
-/// the piece; if the factor changes sign there, the largest error is 1.02 times that at the places.
+/// An estimate of the largest distance along a piece, as a multiple of the largest at those places.
+/// The error of Hermite's cubic is `t² (1 − t)²` times a nearly constant factor, and largest in the
+/// middle of the piece; if the factor changes sign there, the largest error is 1.02 times that at
+/// the places. It is no proved bound, as the factor may change more often.
 const BETWEEN: f64 = 1.125;
 
 /// The sweep approximated by cubic pieces that have the true frames and derivatives at their ends
@@ -264,7 +267,11 @@ pub(crate) fn approximate(
         // The remaining intervals, the first one last.
         let mut waiting = vec![piece.curve.domain()];
         while let Some((a, b)) = waiting.pop() {
-            let (cubic, off) = hermite(frames, piece, (a, b), &points)?;
+            let (cubic, mut off) = hermite(frames, piece, (a, b), &points)?;
+            if let Some(last) = columns.last() {
+                // Where two pieces of the path meet, their directions may differ a little.
+                off += farthest(points.iter().map(|&p| [last, &cubic[0]].map(|c| c.carried(p))));
+            }
             if off <= tolerance {
                 deviation = deviation.max(off);
                 let shared = usize::from(!columns.is_empty());
@@ -302,8 +309,8 @@ pub(crate) fn approximate(
     Ok(Sweep { surface, deviation })
 }
 
-/// The cubic between two parameters of a piece, as Bézier columns, and the bound on its distance
-/// from the true sweep.
+/// The cubic between two parameters of a piece, as Bézier columns, and a measured estimate of its
+/// largest distance from the true sweep.
 fn hermite(
     frames: &MovingFrames,
     piece: &PieceFrames,
@@ -326,11 +333,15 @@ fn hermite(
         let basis = bernstein(3, share).unwrap_or([f64::NAN; crate::geometry::MAX_DEGREE + 1]);
         let ours = points.iter().map(|&p| {
             let carried = cubic.iter().zip(basis).map(|(c, function)| function * c.carried(p));
-            (carried.sum::<DVec3>(), true_one.carried(p))
+            [carried.sum::<DVec3>(), true_one.carried(p)]
         });
-        // A NaN distance is too far.
-        off =
-            ours.fold(off, |most, (x, y)| if x.distance(y) <= most { most } else { x.distance(y) });
+        off = off.max(farthest(ours));
     }
     Ok((cubic, BETWEEN * off))
+}
+
+/// The largest distance between two points of a pair; infinite if one is NaN.
+fn farthest(pairs: impl Iterator<Item = [DVec3; 2]>) -> f64 {
+    let known = |distance: f64| if distance.is_nan() { f64::INFINITY } else { distance };
+    pairs.map(|[a, b]| known(a.distance(b))).fold(0.0, f64::max)
 }

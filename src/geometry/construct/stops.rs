@@ -4,10 +4,10 @@
 //! span; at a cusp a curve stands still for a moment and goes on in another direction. Neither
 //! changes the shape: spans that stand still are left out, and a cusp is a corner like any other.
 
-use glam::{DVec4, Vec4Swizzles};
+use glam::Vec4Swizzles;
 
 use super::ConstructError;
-
+use super::slivers::{Part, without_slivers};
 use crate::geometry::curve::SAME_PLACE;
 use crate::geometry::curve::add_extremes;
 use crate::geometry::{KnotVector, NurbsCurve};
@@ -18,23 +18,18 @@ use crate::math::bernstein::restrict;
 /// parameter that is itself rounded. A curve that does not stand still is moved by less than that.
 const STANDING: f64 = 4096.0 * f64::EPSILON;
 
-/// A Bézier piece, and the parameter at which it begins.
-struct Moving {
-    start: f64,
-    control: Vec<DVec4>,
-}
-
 /// The same curve, on the same domain, without the spans in which it stands still: the preceding
-/// span takes over the parameters of an omitted span, at the beginning the following one. Cusps
-/// become knots, on both sides of which the curve has a [`direction`](super::path::direction). A
-/// curve that has neither is returned unchanged.
+/// span takes over the parameters of an omitted span, at the beginning the following one. So do
+/// the neighbours of [slivers](without_slivers). Cusps become knots, on both sides of which the
+/// curve has a [`direction`](super::path::direction). A curve that has none of them is returned
+/// unchanged.
 ///
 /// # Errors
 /// When the curve stands still everywhere.
 pub(crate) fn without_stops(curve: &NurbsCurve) -> Result<NurbsCurve, ConstructError> {
     let pieces = curve.bezier_pieces();
     let magnitude = curve.magnitude();
-    let mut moving: Vec<Moving> = Vec::new();
+    let mut moving: Vec<Part> = Vec::new();
     for piece in &pieces {
         if !stands_still(piece) {
             moving.extend(between_cusps(piece, magnitude));
@@ -49,7 +44,11 @@ pub(crate) fn without_stops(curve: &NurbsCurve) -> Result<NurbsCurve, ConstructE
         let [a, b] = [pair[0].control[pair[0].control.len() - 1], pair[1].control[0]];
         (a.xyz() / a.w).distance(b.xyz() / b.w) <= STANDING * magnitude
     });
-    if moving.len() == pieces.len() && moving.iter().zip(&pieces).all(|(m, p)| m.is(p)) || !joined {
+    if !joined {
+        return Ok(curve.clone());
+    }
+    let moving = without_slivers(moving, magnitude);
+    if moving.len() == pieces.len() && moving.iter().zip(&pieces).all(is_whole) {
         return Ok(curve.clone());
     }
 
@@ -71,11 +70,9 @@ pub(crate) fn without_stops(curve: &NurbsCurve) -> Result<NurbsCurve, ConstructE
         .map_err(of_path)
 }
 
-impl Moving {
-    /// Whether this is the whole of a piece.
-    fn is(&self, piece: &NurbsCurve) -> bool {
-        self.start == piece.domain().0 && self.control == piece.control()
-    }
+/// Whether a part is the whole of a piece.
+fn is_whole((part, piece): (&Part, &NurbsCurve)) -> bool {
+    part.start == piece.domain().0 && part.control == piece.control()
 }
 
 fn stands_still(piece: &NurbsCurve) -> bool {
@@ -84,7 +81,7 @@ fn stands_still(piece: &NurbsCurve) -> bool {
 }
 
 /// A Bézier piece cut at the places within it where it stands still.
-fn between_cusps(piece: &NurbsCurve, magnitude: f64) -> Vec<Moving> {
+fn between_cusps(piece: &NurbsCurve, magnitude: f64) -> Vec<Part> {
     let (start, end) = piece.domain();
     let degree = piece.knots().degree();
     let part = |from: f64, to: f64| {
@@ -126,7 +123,7 @@ fn between_cusps(piece: &NurbsCurve, magnitude: f64) -> Vec<Moving> {
         if pair[1] < 1.0 {
             control[degree - 1] = control[degree] / control[degree].w * control[degree - 1].w;
         }
-        Moving { start: start + pair[0] * (end - start), control }
+        Part { start: start + pair[0] * (end - start), control }
     });
     parts.collect()
 }
