@@ -217,7 +217,10 @@ impl Surface {
         }
     }
 
-    /// The surface with its normals reversed.
+    /// The surface with its normals reversed, which moves its parameters: a NURBS surface, whole
+    /// or trimmed, is run backwards in u, `u` becoming `a + b − u` on the domain from `a` to `b`
+    /// (see [`NurbsSurface::reversed_u`]); in a triangular patch, u and v are exchanged, and so
+    /// they are within each unit square of a limit surface.
     #[must_use]
     pub fn reversed(&self) -> Self {
         match self {

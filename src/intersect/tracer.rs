@@ -202,6 +202,10 @@ impl<'a> Tracer<'a> {
     /// once if they are at the same place and have the same sign of `N · d`. All kernels find the
     /// same hits: the fast ones find the leaves that the ray may meet, the scalar search does the
     /// rest.
+    ///
+    /// Hits at one place come in either order, as rounding orders their `t`: where a ray touches a
+    /// convex edge of a closed body, it may leave, by the sign of `N · d`, before it enters. Code
+    /// that counts whether it is inside should take hits together whose `t` are equal, or nearly.
     #[must_use = "`true` says that the hits are in doubt"]
     pub fn all_hits<Q: Shot>(&mut self, shot: &Q, hits: &mut Vec<Hit>) -> bool {
         let query = shot.query();

@@ -42,7 +42,9 @@ impl std::error::Error for SceneError {}
 
 impl fmt::Display for SceneError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        with_place(f, &self.place, &self.fault)
+        with_place(f, &self.place, &self.fault)?;
+        // A scene made in code is not mended in the language of files.
+        self.place.label().map_or(Ok(()), |_| f.write_str(self.fault.hint_for_files()))
     }
 }
 
@@ -213,13 +215,10 @@ pub enum SceneFault {
         limit: usize,
     },
     /// There is no object.
-    #[error("there is nothing to show: write an [[object]], with a shape such as \"sphere\"")]
+    #[error("there is nothing to show: the scene has no object")]
     NoObjects,
     /// There are plots, but no object to trace.
-    #[error(
-        "there is nothing to trace, only plots, which `nurbray plot` draws: write an [[object]], \
-         with a shape such as \"sphere\""
-    )]
+    #[error("there is nothing to trace: the scene has plots, but no object")]
     OnlyPlots,
     /// A plot that cannot be drawn.
     #[error("plot {plot}: {error}")]
@@ -263,6 +262,20 @@ pub enum SceneFault {
     /// The surfaces cannot be prepared.
     #[error("{0}")]
     Build(BuildError),
+}
+
+impl SceneFault {
+    /// What to write in a file to mend it; empty where the message says all there is to say.
+    fn hint_for_files(&self) -> &'static str {
+        match self {
+            Self::NoObjects => " (write an [[object]], with a shape such as \"sphere\")",
+            Self::OnlyPlots => {
+                " (`nurbray plot` draws the plots; to trace, write an [[object]], with a shape such \
+                 as \"sphere\")"
+            }
+            _ => "",
+        }
+    }
 }
 
 /// Why a curve of a loop cannot trim.

@@ -186,8 +186,8 @@ fn wrong_use_is_refused_before_anything_is_written() {
     );
     sandbox.run("render s.toml -o p.png").failed(
         2,
-        "s.toml: there is nothing to trace, only plots, which `nurbray plot` draws: write an \
-         [[object]], with a shape such as \"sphere\"",
+        "s.toml: there is nothing to trace: the scene has plots, but no object (`nurbray plot` \
+         draws the plots; to trace, write an [[object]], with a shape such as \"sphere\")",
     );
     assert_eq!(sandbox.files(), ["huge.toml", "s.toml"]);
 }
@@ -302,7 +302,8 @@ fn what_cannot_be_plotted_is_told_with_its_place() {
     );
     // An empty scene has the same error with every subcommand.
     let sandbox = Sandbox::with(&[("empty.toml", "")]);
-    let hint = "there is nothing to show: write an [[object]], with a shape such as \"sphere\"";
+    let hint = "there is nothing to show: the scene has no object (write an \
+         [[object]], with a shape such as \"sphere\")";
     sandbox.run("plot empty.toml -o p.svg").failed(2, &format!("empty.toml: {hint}"));
 }
 

@@ -205,7 +205,8 @@ fn windows_text_and_empty_files() {
         ("list.json", "[]"),
     ]);
     sandbox.run("info bom.toml").succeeded();
-    let hint = "there is nothing to show: write an [[object]], with a shape such as \"sphere\"";
+    let hint = "there is nothing to show: the scene has no object (write an \
+         [[object]], with a shape such as \"sphere\")";
     sandbox.run("info empty.toml").failed(2, &format!("empty.toml: {hint}"));
     sandbox.run("info empty.json").failed(2, "empty.json: the file is empty");
     sandbox.run("info list.json").failed(2, "list.json:1:1: found a list, needed an object");

@@ -14,10 +14,12 @@ use crate::geometry::NurbsCurve;
 /// The surfaces of a tube around a curve, facing outward.
 ///
 /// Straight parts are exact cylinders, arcs of circles exact tori; the rest is
-/// [swept](super::sweep()). Where the curve has a kink, a sphere joins the parts. Where it pauses,
-/// as at a control point that is repeated more often than its degree, the tube goes on. A curve
-/// that ends where it begins has no caps. Parts that would be there twice, as where the curve
-/// passes a corner again, are made once; [`Drawing`] does the same for several curves.
+/// [swept](super::sweep()). Where the curve has a kink, a sphere joins the parts, whose ends stay
+/// open inside of it: together they look like one body, but they are not one closed surface, and a
+/// ray that goes on through the ball may meet the inside of an end. Where the curve pauses, as at a
+/// control point that is repeated more often than its degree, the tube goes on. A curve that ends
+/// where it begins has no caps. Parts that would be there twice, as where the curve passes a corner
+/// again, are made once; [`Drawing`] does the same for several curves.
 ///
 /// # Errors
 /// When the radius is not a positive length, or the curve has a gap, is only a point, runs back

@@ -152,6 +152,14 @@ pub enum KnotError {
         /// The last knot.
         last: f64,
     },
+    /// There is no such domain to map knots to.
+    #[error("the domain goes from {} to {}: its length must be positive and finite", Shown(*start), Shown(*end))]
+    OtherDomain {
+        /// Where it would begin.
+        start: f64,
+        /// Where it would end.
+        end: f64,
+    },
     /// Two different knots would become equal on another domain.
     #[error(
         "the knots {first} and {second} would become one on the domain from {start} to {end}: \

@@ -280,6 +280,10 @@ impl KnotVector {
         if (start, end) == (a, b) {
             return Ok(self.clone());
         }
+        let exists = start <= end && (end - start).is_finite(); // false for NaN
+        if !exists {
+            return Err(KnotError::OtherDomain { start, end });
+        }
         let moved = |&t: &f64| match t {
             t if t == a => start,
             t if t == b => end,

@@ -49,6 +49,26 @@ fn errors_tell_what_was_found_and_what_is_needed() {
 }
 
 #[test]
+fn domains_to_map_to_are_refused_as_what_they_are() {
+    let knots = KnotVector::bezier(2).unwrap();
+    let refused = |start, end| message(knots.on_domain(start, end));
+    assert_eq!(
+        refused(2.0, 1.0),
+        "the domain goes from 2 to 1: its length must be positive and finite"
+    );
+    assert_eq!(
+        refused(0.0, f64::NAN),
+        "the domain goes from 0 to NaN: its length must be positive and finite"
+    );
+    assert_eq!(
+        refused(1.0, 1.0),
+        "the knots 0 and 1 would become one on the domain from 1 to 1: it must be longer"
+    );
+    let longest = refused(-f64::MAX, f64::MAX);
+    assert!(longest.ends_with("its length must be positive and finite"), "{longest}");
+}
+
+#[test]
 fn absurd_counts_are_refused_before_memory_is_asked_for() {
     let most = format!("at most {MAX_CONTROL_POINTS} in one direction are supported");
     for make in [KnotVector::uniform, KnotVector::standard, KnotVector::clamped_uniform] {

@@ -3,6 +3,7 @@
 use glam::DVec2;
 use thiserror::Error;
 
+use super::MAX_PARAMETER;
 use crate::geometry::{Direction, KnotError};
 use crate::math::{Counted, Measured, Shown};
 
@@ -48,7 +49,7 @@ pub enum TrimCurveError {
     #[error(transparent)]
     Degree(#[from] KnotError),
     /// A point is NaN, infinite, or absurdly large.
-    #[error("point {index} is {}: it must be finite and at most 1e100", shown(*.point))]
+    #[error("point {index} is {}: it must be finite and at most {MAX_PARAMETER:e}", shown(*.point))]
     Point {
         /// Which point, counted from 0.
         index: usize,
@@ -88,7 +89,7 @@ pub enum TrimCurveError {
         largest: f64,
     },
     /// An arc has no usable radius.
-    #[error("the radius is {}: it must be positive and finite", Shown(*.radius))]
+    #[error("the radius is {}: it must be positive and at most {MAX_PARAMETER:e}", Shown(*.radius))]
     Radius {
         /// The radius.
         radius: f64,
@@ -190,7 +191,7 @@ pub enum TrimLoopError {
 pub enum TrimError {
     /// The domain is not a valid range.
     #[error(
-        "the domain in {direction} goes from {} to {}: it must be finite, at most 1e100, and not empty",
+        "the domain in {direction} goes from {} to {}: it must be finite, at most {MAX_PARAMETER:e}, and not empty",
         Shown(*.start), Shown(*.end)
     )]
     Domain {

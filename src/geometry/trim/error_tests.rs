@@ -228,7 +228,11 @@ fn curves_name_what_is_wrong() {
     assert!(TrimCurve::bezier(&[DVec2::ONE; 40], None).is_err());
     assert_eq!(
         say(TrimCurve::circle(DVec2::ONE, -1.0)),
-        "the radius is -1: it must be positive and finite"
+        "the radius is -1: it must be positive and at most 1e100"
+    );
+    assert_eq!(
+        say(TrimCurve::circle(DVec2::ONE, 1e101)),
+        "the radius is 1e101: it must be positive and at most 1e100"
     );
     assert_eq!(
         say(TrimCurve::arc(DVec2::ONE, 1.0, 0.5, 0.5)),

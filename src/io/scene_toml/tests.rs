@@ -121,7 +121,8 @@ fn broken_toml() {
     for (text, message) in [
         (
             "",
-            "s.toml: there is nothing to show: write an [[object]], with a shape such as \"sphere\"",
+            "s.toml: there is nothing to show: the scene has no object (write an \
+             [[object]], with a shape such as \"sphere\")",
         ),
         ("\u{feff}[objec]\r\n", "s.toml:1:2: unknown key \"objec\"; did you mean \"object\"?"),
         (

@@ -302,7 +302,14 @@ fn other_messages() {
     );
     assert_eq!(
         message(&scene(vec![])),
-        "s.toml: there is nothing to show: write an [[object]], with a shape such as \"sphere\""
+        "s.toml: there is nothing to show: the scene has no object (write an \
+         [[object]], with a shape such as \"sphere\")"
+    );
+    // Scenes made in code are not mended by writing TOML.
+    assert_eq!(message(&Scene::default()), "there is nothing to show: the scene has no object");
+    assert_eq!(
+        SceneError::new(Place::default(), SceneFault::OnlyPlots).to_string(),
+        "there is nothing to trace: the scene has plots, but no object"
     );
     let mut curves = scene(vec![Object::default()]);
     let note = |what: &str| ImportNote {
