@@ -3,6 +3,7 @@
 
 use std::collections::BTreeSet;
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use image::RgbImage;
@@ -64,7 +65,7 @@ fn settings(world: &World) -> RenderSettings {
 fn shown(world: &World, settings: &RenderSettings) -> RgbImage {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("crop.png");
-    let film = render(world, settings, &|_| {}).unwrap();
+    let film = render(world, settings, &|_| ControlFlow::Continue(())).unwrap();
     write_png(&path, &film, world.settings().exposure).unwrap();
     image::open(path).unwrap().into_rgb8()
 }
@@ -133,7 +134,8 @@ fn rendering_again_gives_the_same_file() {
         let settings =
             RenderSettings { size: (64, 48), samples: 0..2, threads, ..settings(&world) };
         let path = folder.path().join(format!("{threads}.png"));
-        write_png(&path, &render(&world, &settings, &|_| {}).unwrap(), 0.0).unwrap();
+        let film = render(&world, &settings, &|_| ControlFlow::Continue(())).unwrap();
+        write_png(&path, &film, 0.0).unwrap();
         fs::read(path).unwrap()
     });
     assert!(files[0] == files[1] && files[1] == files[2], "the number of threads shows");

@@ -3,6 +3,7 @@
 mod picture;
 
 use std::ffi::OsString;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant, SystemTime};
@@ -50,6 +51,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     };
     let film = render(&world, &settings, &|at| {
         progress.set(at.tiles_done as u64 * PROGRESS_STEPS / at.tiles.max(1) as u64, at.rays);
+        ControlFlow::Continue(())
     });
     progress.finish();
     let (film, took) = (film.or_failed()?, start.elapsed());

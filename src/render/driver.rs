@@ -1,7 +1,9 @@
 //! Rendering: all threads, all tiles, one film.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 
 use rayon::ThreadPoolBuilder;
 use thiserror::Error;
@@ -38,6 +40,9 @@ pub enum RenderError {
         /// What the system says.
         reason: String,
     },
+    /// The progress callback said [`ControlFlow::Break`].
+    #[error("the render was cancelled")]
+    Cancelled,
 }
 
 /// How an error calls this many threads.
@@ -53,30 +58,38 @@ fn named(threads: usize) -> String {
 ///
 /// `progress` is called after every tile, by whichever thread painted it, but never by two
 /// at once and always with rising numbers. It should be quick: the others may have to wait.
+/// It answers whether to go on. After [`ControlFlow::Break`], or a panic, it is not called again:
+/// each thread ends with the tile that it is painting, and the render with
+/// [`RenderError::Cancelled`], even if that was the last tile, or with the panic.
 ///
 /// ```
-/// use nurbray::render::{Channel, RenderSettings, render};
-/// use nurbray::scene::{NamedShape, Object, Part, Scene, Shape, World};
+/// use std::ops::ControlFlow;
+///
+/// use nurbray::render::{Channel, RenderError, RenderSettings, render};
+/// use nurbray::scene::{NamedShape, Object, Scene, Shape, World};
 ///
 /// let shape = Shape::Named(NamedShape::Sphere { radius: 1.0 }, Vec::new());
-/// let part = Part { name: String::new(), place: Default::default(), shape, trims: None };
-/// let objects = vec![Object { parts: vec![part], ..Default::default() }];
+/// let objects = vec![Object { parts: vec![shape.into()], ..Default::default() }];
 /// let scene = Scene { objects, ..Default::default() };
 /// let world = World::new(&scene)?;
 ///
 /// let settings = RenderSettings { size: (32, 24), samples: 0..4, ..Default::default() };
-/// let film = render(&world, &settings, &|_| {})?;
+/// let film = render(&world, &settings, &|_| ControlFlow::Continue(()))?;
 /// assert_eq!(film.value(Channel::A, [16, 12]), Some(1.0)); // the camera frames the sphere
 /// assert_eq!(film.value(Channel::A, [0, 0]), Some(0.0));
+///
+/// // One that gives up: after its first tile, or when a user says so.
+/// let cancelled = render(&world, &settings, &|_| ControlFlow::Break(()));
+/// assert_eq!(cancelled, Err(RenderError::Cancelled));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// When the settings are refused, or memory or threads cannot be obtained.
+/// When the settings are refused, memory or threads cannot be obtained, or `progress` cancels.
 pub fn render(
     world: &World,
     settings: &RenderSettings,
-    progress: &(dyn Fn(Progress) + Sync),
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Film, RenderError> {
     let film = Film::new(settings)?;
     let grid = TileGrid::new(film.window());
@@ -86,26 +99,61 @@ pub fn render(
 
     let state = Mutex::new((film, 0));
     let next = AtomicUsize::new(0);
+    let stop = Stop(AtomicBool::new(false));
     let neighbours = world.neighbours(settings.size.into());
     pool.broadcast(|_| {
+        let _panics_stop_all = StopOnPanic(&stop);
         let mut painter = Painter::new(world, settings, neighbours);
-        while let Some(tile) = grid.get(next.fetch_add(1, Ordering::Relaxed)) {
+        while !stop.is_set()
+            && let Some(tile) = grid.get(next.fetch_add(1, Ordering::Relaxed))
+        {
             let (pixels, counters) = painter.paint(tile);
-            let mut state = lock(&state);
+            // The lock is poisoned if `progress` panicked.
+            let Ok(mut state) = state.lock() else { return };
+            if stop.is_set() {
+                return;
+            }
             let (film, tiles_done) = &mut *state;
             film.insert(pixels, counters);
             *tiles_done += 1;
             let (tiles_done, tiles) = (*tiles_done, grid.count());
-            progress(Progress { tiles_done, tiles, rays: film.counters().rays });
+            let answer = progress(Progress { tiles_done, tiles, rays: film.counters().rays });
+            if answer.is_break() {
+                stop.set();
+            }
         }
         let statistics = painter.statistics();
-        lock(&state).0.count(Counters { statistics, ..Counters::default() });
+        let Ok(mut state) = state.lock() else { return };
+        state.0.count(Counters { statistics, ..Counters::default() });
     });
+    if stop.is_set() {
+        return Err(RenderError::Cancelled);
+    }
     let (film, _) = state.into_inner().unwrap_or_else(PoisonError::into_inner);
     Ok(film)
 }
 
-/// The lock; should a thread have panicked, its panic will end the render anyway.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+/// Whether all threads are to end. It guards no data: the lock of the film orders what matters.
+struct Stop(AtomicBool);
+
+impl Stop {
+    fn set(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    fn is_set(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// Stops the other threads when its own panics: the panic ends the render, but only after all
+/// threads have ended.
+struct StopOnPanic<'a>(&'a Stop);
+
+impl Drop for StopOnPanic<'_> {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            self.0.set();
+        }
+    }
 }

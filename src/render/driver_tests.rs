@@ -1,6 +1,9 @@
 //! The same picture whatever the threads, crops and sample ranges.
 
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec3;
 
@@ -24,7 +27,7 @@ fn picture(settings: &RenderSettings) -> Film {
 }
 
 fn picture_of(world: &World, settings: &RenderSettings) -> Film {
-    render(world, settings, &|_| {}).unwrap()
+    render(world, settings, &|_| ControlFlow::Continue(())).unwrap()
 }
 
 /// One whose pictures are traced in packets, and one whose leaves are too small for them.
@@ -132,6 +135,7 @@ fn progress_rises_to_the_end() {
     let settings = RenderSettings { threads: 3, ..settings() };
     let film = render(&sphere_over_floor(), &settings, &|progress| {
         told.lock().unwrap().push(progress);
+        ControlFlow::Continue(())
     });
     let told = told.into_inner().unwrap();
     // 50 × 37 pixels in tiles of 16 × 16.
@@ -140,6 +144,46 @@ fn progress_rises_to_the_end() {
     let last = told.last().unwrap();
     assert_eq!((last.tiles_done, last.tiles), (12, 12));
     assert_eq!(last.rays, film.unwrap().counters().rays);
+}
+
+#[test]
+fn a_cancelled_render_asks_no_more() {
+    let world = sphere_over_floor();
+    for threads in [1, 3] {
+        for last in [1, 5, 12] {
+            let told = AtomicUsize::new(0);
+            let film = render(&world, &RenderSettings { threads, ..settings() }, &|progress| {
+                told.fetch_add(1, Ordering::Relaxed);
+                if progress.tiles_done == last {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            });
+            assert_eq!(film, Err(RenderError::Cancelled));
+            assert_eq!(told.into_inner(), last, "with {threads} threads");
+        }
+    }
+    assert_eq!(RenderError::Cancelled.to_string(), "the render was cancelled");
+}
+
+/// Once the other threads went on to the end, and the callback with them, before the panic came
+/// out.
+#[test]
+fn a_callback_that_panics_ends_the_render() {
+    let world = sphere_over_floor();
+    for threads in [1, 3] {
+        let told = AtomicUsize::new(0);
+        let ended = catch_unwind(AssertUnwindSafe(|| {
+            render(&world, &RenderSettings { threads, ..settings() }, &|_| {
+                told.fetch_add(1, Ordering::Relaxed);
+                panic!("a test's own panic");
+            })
+        }));
+        let panic = ended.unwrap_err();
+        assert_eq!(panic.downcast_ref(), Some(&"a test's own panic"));
+        assert_eq!(told.into_inner(), 1, "with {threads} threads");
+    }
 }
 
 #[test]
@@ -159,6 +203,6 @@ fn rays_and_hits_are_counted() {
 fn refused_settings_are_errors() {
     let world = sphere_over_floor();
     let empty = RenderSettings { size: (0, 4), ..settings() };
-    let error = render(&world, &empty, &|_| {}).unwrap_err().to_string();
+    let error = render(&world, &empty, &|_| ControlFlow::Continue(())).unwrap_err().to_string();
     assert_eq!(error, "size 0x4: a picture needs at least one pixel each way");
 }

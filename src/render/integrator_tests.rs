@@ -1,6 +1,7 @@
 //! Pictures of spheres and floors against closed forms.
 
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 
 use glam::{DVec2, DVec3};
 
@@ -23,7 +24,7 @@ fn settings(integrator: IntegratorKind) -> RenderSettings {
 }
 
 fn picture(world: &World, integrator: IntegratorKind) -> Film {
-    render(world, &settings(integrator), &|_| {}).unwrap()
+    render(world, &settings(integrator), &|_| ControlFlow::Continue(())).unwrap()
 }
 
 /// The camera ray of the only sample of a pixel.

@@ -7,6 +7,8 @@
 //! A scene may show surfaces that code has made:
 //!
 //! ```
+//! use std::ops::ControlFlow;
+//!
 //! use glam::{DVec3, dvec3};
 //! use nurbray::geometry::construct::{Axis, revolve};
 //! use nurbray::geometry::{NurbsCurve, Surface};
@@ -25,7 +27,7 @@
 //!
 //! let world = World::new(&scene)?;
 //! let settings = RenderSettings { size: (32, 24), samples: 0..4, ..Default::default() };
-//! let film = render(&world, &settings, &|_| {})?;
+//! let film = render(&world, &settings, &|_| ControlFlow::Continue(()))?;
 //! assert_eq!(film.value(Channel::A, [16, 12]), Some(1.0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -1,5 +1,6 @@
 //! Against Embree: the same rays on the surfaces and on triangles in their place.
 
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 use nurbray::intersect::Kernel;
@@ -151,7 +152,7 @@ fn picture(world: &World, [width, height]: [u32; 2]) -> Result<Film, Failure> {
         samples: 0..PICTURE_SAMPLES,
         ..RenderSettings::from(world.settings())
     };
-    render(world, &settings, &|_| {}).or_failed()
+    render(world, &settings, &|_| ControlFlow::Continue(())).or_failed()
 }
 
 /// The model and the rays on which both sides are compared.
