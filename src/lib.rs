@@ -85,8 +85,8 @@
 //! ```
 //!
 //! To read and write files instead, see [`io::load_input`], [`io::write_exr`] and
-//! [`io::write_png`]; for surfaces of your own, [`geometry`]; for the language of scenes,
-//! [`io::scene_toml`].
+//! [`io::write_png`], or [`io::write_exr_to`] and [`io::write_png_to`] for pictures in memory; for
+//! surfaces of your own, [`geometry`]; for the language of scenes, [`io::scene_toml`].
 //!
 //! # What may be relied on
 //!

@@ -2,7 +2,7 @@
 
 mod film_channels;
 
-use std::io;
+use std::io::{self, Seek, Write};
 use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -77,13 +77,55 @@ pub fn stage_exr(
     precision: ExrPrecision,
     notes: &ExrNotes<'_>,
 ) -> Result<StagedFile, WriteError> {
+    stage(path, |file| write_exr_to(file, film, precision, notes))
+}
+
+/// Writes the EXR that [`write_exr`] writes to memory or the like; for a file or a socket, give it
+/// a buffer. The writer must be at its beginning, since an EXR counts its places from there.
+///
+/// ```
+/// use std::io::Cursor;
+/// use std::time::{Duration, SystemTime};
+///
+/// use glam::DVec3;
+/// use nurbray::io::{ExrNotes, ExrPrecision, write_exr_to};
+/// use nurbray::render::{Film, RenderSettings};
+/// use nurbray::scene::{Camera, Projection, View};
+///
+/// let view = View { look_from: DVec3::X, look_at: DVec3::ZERO, up: DVec3::Z };
+/// let notes = ExrNotes {
+///     command: "",
+///     time: SystemTime::now(),
+///     duration: Duration::ZERO,
+///     camera: &Camera::new(view, Projection::Perspective { fov: 30.0 })?,
+///     background: [0.0; 3],
+/// };
+/// let film = Film::new(&RenderSettings { size: (2, 2), ..Default::default() })?;
+/// let mut bytes = Cursor::new(Vec::new());
+/// write_exr_to(&mut bytes, &film, ExrPrecision::Float, &notes)?;
+/// assert!(bytes.into_inner().starts_with(b"\x76\x2f\x31\x01"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// When the writer is not at its beginning, or fails; part of the picture may then be written.
+pub fn write_exr_to(
+    mut writer: impl Write + Seek,
+    film: &Film,
+    precision: ExrPrecision,
+    notes: &ExrNotes<'_>,
+) -> io::Result<()> {
+    let at = writer.stream_position()?;
+    if at != 0 {
+        let message = format!("an EXR must begin where its writer does, not at byte {at}");
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+    }
     let image = image(film, precision, notes);
-    stage(path, |file| {
-        image.write().to_buffered(file).map_err(|error| match error {
-            ExrError::Io(error) => error,
-            other => io::Error::other(other),
-        })
-    })
+    image.write().to_buffered(&mut writer).map_err(|error| match error {
+        ExrError::Io(error) => error,
+        other => io::Error::other(other),
+    })?;
+    writer.flush()
 }
 
 fn image<'f>(
@@ -224,6 +266,7 @@ fn date(time: SystemTime) -> String {
 #[cfg(test)]
 mod tests {
     use std::fs;
+    use std::io::Cursor;
 
     use exr::prelude::{AnyChannels, FlatSamples, ReadChannels, ReadLayers, read};
 
@@ -268,13 +311,17 @@ mod tests {
         let camera = camera();
         write_exr(&path, film, precision, &notes(&camera, "nurbray render löwe.toml")).unwrap();
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
+        read_back(&fs::read(&path).unwrap())
+    }
+
+    fn read_back(bytes: &[u8]) -> Read {
         read()
             .no_deep_data()
             .largest_resolution_level()
             .all_channels()
             .first_valid_layer()
             .all_attributes()
-            .from_file(&path)
+            .from_buffered(Cursor::new(bytes))
             .unwrap()
     }
 
@@ -377,6 +424,32 @@ mod tests {
             error.unwrap_err().to_string(),
             "cannot write \"/nowhere/at/all.exr\": there is no folder \"/nowhere/at\""
         );
+    }
+
+    #[test]
+    fn memory_holds_what_the_file_does() {
+        let camera = camera();
+        let notes = notes(&camera, "nurbray render löwe.toml");
+        for precision in [ExrPrecision::Float, ExrPrecision::Half] {
+            let mut memory = Cursor::new(Vec::new());
+            write_exr_to(&mut memory, &film(None), precision, &notes).unwrap();
+            let (held, file) = (read_back(memory.get_ref()), written(&film(None), precision));
+            assert_eq!(held.layer_data.attributes, file.layer_data.attributes);
+            assert_eq!(held.layer_data.channel_data, file.layer_data.channel_data);
+        }
+
+        let mut used = Cursor::new(vec![0; 9]);
+        used.set_position(7);
+        let refused = write_exr_to(&mut used, &film(None), ExrPrecision::Float, &notes);
+        assert_eq!(
+            refused.unwrap_err().to_string(),
+            "an EXR must begin where its writer does, not at byte 7"
+        );
+        assert_eq!(used.into_inner(), [0; 9]);
+        let mut room = [0_u8; 100];
+        let full =
+            write_exr_to(Cursor::new(&mut room[..]), &film(None), ExrPrecision::Float, &notes);
+        assert!(full.is_err());
     }
 
     #[test]

@@ -15,7 +15,9 @@
 //! Errors begin with the place: `scenes/teapot.toml:41:7: surface "lid", direction u: 10 knots,
 //! but 7 points of degree 3 need 11`. A file is written under another name and moved into place
 //! when complete ([`write_atomically`]), so a failure leaves the older file as it was. Files that
-//! belong together are moved when all of them are complete ([`stage`], [`put_all_in_place`]).
+//! belong together are moved when all of them are complete ([`stage`], [`put_all_in_place`]). Pictures that
+//! are to be no files, [`write_png_to`], [`write_png_bytes_to`] and [`write_exr_to`] give to any
+//! writer.
 //!
 //! From a file of surfaces to their hierarchy, without a picture in mind:
 //!
@@ -70,14 +72,17 @@ pub use embree::{Embree, EmbreePrimitive, EmbreeScene};
 pub use embree_error::EmbreeError;
 #[cfg(feature = "embree")]
 pub use embree_rays::{EmbreeHit, EmbreeRays, PacketWidth};
-pub use exr::{ExrNotes, ExrPrecision, stage_exr, write_exr};
+pub use exr::{ExrNotes, ExrPrecision, stage_exr, write_exr, write_exr_to};
 pub use geomdl::{Model, read_geomdl};
 pub use load::load_input;
 pub use load_error::{LoadError, LoadFault};
 pub use npy::{Table, read_rays, read_table, table_from_bytes, write_rows};
 pub use npy_error::NpyError;
 pub use obj::{CageModel, read_obj_cage};
-pub use png::{PngWarning, stage_png, stage_png_bytes, write_png, write_png_bytes};
+pub use png::{
+    PngWarning, stage_png, stage_png_bytes, write_png, write_png_bytes, write_png_bytes_to,
+    write_png_to,
+};
 pub use povray::{PovrayGap, PovrayScene, PovraySkip, povray_scene};
 pub use quoted::Quoted;
 pub use scene_toml::read_scene;

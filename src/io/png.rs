@@ -1,7 +1,7 @@
 //! PNG pictures: what the film looks like on a screen.
 
 use std::fmt;
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -40,8 +40,42 @@ pub fn write_png(
     exposure: f64,
 ) -> Result<Option<PngWarning>, WriteError> {
     stage_png(path, film, exposure)?.put_in_place()?;
+    Ok(warning(film))
+}
+
+/// Writes the PNG that [`write_png`] writes, byte for byte, to memory, a socket or the like.
+///
+/// ```
+/// use nurbray::io::write_png_to;
+/// use nurbray::render::{Film, RenderSettings};
+///
+/// let film = Film::new(&RenderSettings { size: (2, 2), ..Default::default() })?;
+/// let mut bytes = Vec::new();
+/// write_png_to(&mut bytes, &film, 0.0)?;
+/// assert!(bytes.starts_with(b"\x89PNG"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// When the writer fails; part of the picture may then be written.
+pub fn write_png_to(
+    writer: impl Write,
+    film: &Film,
+    exposure: f64,
+) -> io::Result<Option<PngWarning>> {
+    write_png_bytes_to(writer, size(film), &screen_bytes(film, exposure))?;
+    Ok(warning(film))
+}
+
+/// What a PNG of this film leaves out.
+fn warning(film: &Film) -> Option<PngWarning> {
     let left_out = film.settings().aovs;
-    Ok((!left_out.is_empty()).then_some(PngWarning { left_out }))
+    (!left_out.is_empty()).then_some(PngWarning { left_out })
+}
+
+/// The width and the height of the film's picture.
+fn size(film: &Film) -> (u32, u32) {
+    (film.window().width(), film.window().height())
 }
 
 /// Writes a PNG as [`write_png`] does, but does not put the file in its place yet.
@@ -49,8 +83,7 @@ pub fn write_png(
 /// # Errors
 /// When the file cannot be written.
 pub fn stage_png(path: &Path, film: &Film, exposure: f64) -> Result<StagedFile, WriteError> {
-    let size = (film.window().width(), film.window().height());
-    stage_png_bytes(path, size, &screen_bytes(film, exposure))
+    stage_png_bytes(path, size(film), &screen_bytes(film, exposure))
 }
 
 /// Writes a picture of `(width, height)` pixels, given as red, green and blue bytes row by
@@ -76,21 +109,33 @@ pub fn stage_png_bytes(
     (width, height): (u32, u32),
     bytes: &[u8],
 ) -> Result<StagedFile, WriteError> {
+    stage(path, |file| write_png_bytes_to(file, (width, height), bytes))
+}
+
+/// Writes the PNG that [`write_png_bytes`] writes, byte for byte, to memory, a socket or the like.
+///
+/// # Errors
+/// When there are not three bytes a pixel, or the writer fails; part of the picture may then be
+/// written.
+pub fn write_png_bytes_to(
+    mut writer: impl Write,
+    (width, height): (u32, u32),
+    bytes: &[u8],
+) -> io::Result<()> {
     let needed = 3 * u128::from(width) * u128::from(height);
-    stage(path, |file| {
-        if bytes.len() as u128 != needed {
-            return Err(io::Error::other(format!(
-                "{} bytes, but {width}x{height} pixels need {needed}",
-                bytes.len()
-            )));
-        }
-        PngEncoder::new_with_quality(file, CompressionType::Default, FilterType::Adaptive)
-            .write_image(bytes, width, height, ExtendedColorType::Rgb8)
-            .map_err(|error| match error {
-                ImageError::IoError(error) => error,
-                other => io::Error::other(other),
-            })
-    })
+    if bytes.len() as u128 != needed {
+        return Err(io::Error::other(format!(
+            "{} bytes, but {width}x{height} pixels need {needed}",
+            bytes.len()
+        )));
+    }
+    PngEncoder::new_with_quality(&mut writer, CompressionType::Default, FilterType::Adaptive)
+        .write_image(bytes, width, height, ExtendedColorType::Rgb8)
+        .map_err(|error| match error {
+            ImageError::IoError(error) => error,
+            other => io::Error::other(other),
+        })?;
+    writer.flush()
 }
 
 /// Red, green and blue of each pixel as sRGB bytes.
@@ -154,6 +199,9 @@ mod tests {
         );
         write_png(&b, &film, 0.0).unwrap();
         assert_eq!(fs::read(&a).unwrap(), fs::read(&b).unwrap());
+        let mut memory = Vec::new();
+        assert_eq!(write_png_to(&mut memory, &film, 0.0).unwrap(), Some(warning));
+        assert_eq!(memory, fs::read(&a).unwrap());
         let picture = image::open(&a).unwrap();
         assert_eq!((picture.width(), picture.height()), (5, 4));
         // Signature, header, data, end: no chunk that could hold a time.
@@ -183,5 +231,12 @@ mod tests {
         let error = write_png_bytes(&path, (2, 2), &[0; 6]).unwrap_err().to_string();
         assert!(error.ends_with("6 bytes, but 2x2 pixels need 12"), "{error}");
         assert_eq!(image::open(&path).unwrap().width(), 2);
+    }
+
+    #[test]
+    fn writers_that_fail_are_errors() {
+        let film = Film::new(&RenderSettings { size: (2, 2), ..Default::default() }).unwrap();
+        let mut room = [0_u8; 20]; // the signature and a part of the header
+        assert!(write_png_to(&mut room[..], &film, 0.0).is_err());
     }
 }
