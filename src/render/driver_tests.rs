@@ -57,6 +57,12 @@ fn bits(film: &Film, window: PixelRect) -> Vec<u32> {
     pixels.flat_map(values).map(f32::to_bits).collect()
 }
 
+/// The counters of rays and answers. The work depends on which rays share a packet, these do not.
+fn answers(film: &Film) -> [u64; 3] {
+    let counters = film.counters();
+    [counters.rays, counters.hits, counters.doubtful]
+}
+
 #[test]
 fn threads_do_not_change_a_bit() {
     for &integrator in IntegratorKind::ALL {
@@ -64,6 +70,7 @@ fn threads_do_not_change_a_bit() {
         for threads in [2, 3] {
             let other = picture(&RenderSettings { integrator, threads, ..settings() });
             assert_eq!(bits(&one, one.window()), bits(&other, one.window()), "{integrator}");
+            assert!(one == other);
             assert_eq!(one.counters(), other.counters(), "{integrator}");
         }
     }
@@ -73,6 +80,7 @@ fn threads_do_not_change_a_bit() {
 fn four_crops_are_the_whole() {
     for world in &both_worlds() {
         let whole = picture_of(world, &settings());
+        let mut pasted = Film::new(&settings()).unwrap();
         // Neither at tile borders nor of equal sizes.
         for (min, max) in
             [([0, 0], [23, 11]), ([23, 0], [50, 11]), ([0, 11], [23, 37]), ([23, 11], [50, 37])]
@@ -81,7 +89,12 @@ fn four_crops_are_the_whole() {
             let part = picture_of(world, &RenderSettings { crop: Some(crop), ..settings() });
             assert_eq!(part.window(), crop);
             assert_eq!(bits(&part, crop), bits(&whole, crop), "crop {crop}");
+            assert!(pasted != whole);
+            pasted.paste(&part).unwrap();
         }
+        assert_eq!(bits(&pasted, pasted.window()), bits(&whole, whole.window()));
+        assert!(pasted == whole, "the sums are those of the whole picture, too");
+        assert_eq!(answers(&pasted), answers(&whole));
     }
 }
 
@@ -94,11 +107,7 @@ fn two_sample_ranges_are_the_whole() {
                 (range(start..end), range(start..middle), range(middle..end));
             let merged = first.merge(second).unwrap();
             assert_eq!(bits(&merged, merged.window()), bits(&whole, whole.window()));
-            // The work depends on which rays share a packet, the answers do not.
-            let answers = |film: &Film| {
-                let counters = film.counters();
-                (counters.rays, counters.hits, counters.doubtful)
-            };
+            assert!(merged == whole);
             assert_eq!(answers(&merged), answers(&whole));
             assert_eq!(merged.settings(), whole.settings());
         }

@@ -19,12 +19,26 @@ use crate::intersect::Statistics;
 /// - [`Aov`](super::Aov) says what the data channels hold.
 ///
 /// Films of neighbouring sample ranges can be merged: the result is the film of the
-/// joined range bit for bit, for sums over samples do not depend on the split.
-#[derive(Clone, Debug, PartialEq)]
+/// joined range bit for bit, for sums over samples do not depend on the split. Films of crops
+/// can be pasted into that of the whole picture.
+///
+/// Films are equal if they are the same picture: of the same size, window, channels and range of
+/// samples, with the same numbers in all pixels (those of the sums, which are f64). How it was
+/// made does not count, neither the threads and what else is in the [settings](Film::settings),
+/// nor the [counters](Film::counters): the work depends on which samples were traced together.
+#[derive(Clone, Debug)]
 pub struct Film {
     settings: RenderSettings,
     pixels: Pixels,
     counters: Counters,
+}
+
+impl PartialEq for Film {
+    fn eq(&self, other: &Self) -> bool {
+        let (a, b) = (&self.settings, &other.settings);
+        // The pixels know their window and their samples.
+        a.size == b.size && a.aovs == b.aovs && self.pixels == other.pixels
+    }
 }
 
 /// What was traced for a film.
@@ -81,6 +95,23 @@ pub enum MergeError {
         .0.start, .0.end, .1.start, .1.end
     )]
     NotNeighbors(Range<u32>, Range<u32>),
+}
+
+/// Why a film cannot be pasted into another.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum PasteError {
+    /// They are not of the same picture.
+    #[error("films of different {0} cannot be pasted into each other")]
+    Different(&'static str),
+    /// The film has no place for some of the pixels.
+    #[error("the pixels {part} cannot be pasted into a film that holds {window} only")]
+    Outside {
+        /// The pixels to be pasted.
+        part: PixelRect,
+        /// Those of the film.
+        window: PixelRect,
+    },
 }
 
 impl Film {
@@ -180,18 +211,11 @@ impl Film {
     /// range does not follow the other. That both are of the same scene and camera cannot be
     /// seen from films, and is up to the caller.
     pub fn merge(self, other: Self) -> Result<Self, MergeError> {
-        let (a, b) = (&self.settings, &other.settings);
-        let same = [
-            ("sizes", a.size == b.size),
-            ("crops", self.window() == other.window()),
-            ("integrators", a.integrator == b.integrator),
-            ("data channels", a.aovs == b.aovs),
-            ("seeds", a.seed == b.seed),
-            ("kernels", a.kernel == b.kernel),
-        ];
-        if let Some((what, _)) = same.into_iter().find(|(_, same)| !same) {
+        let crops = (self.window() != other.window()).then_some("crops");
+        if let Some(what) = self.differing(&other).or(crops) {
             return Err(MergeError::Different(what));
         }
+        let (a, b) = (&self.settings, &other.settings);
         let (mut first, second) = match () {
             () if a.samples.end == b.samples.start => (self, other),
             () if b.samples.end == a.samples.start => (other, self),
@@ -201,6 +225,57 @@ impl Film {
         first.pixels.append(second.pixels);
         first.counters += second.counters;
         Ok(first)
+    }
+
+    /// Puts the pixels of a film of the same picture, as a rule of a crop, in their places in this
+    /// one, which is as a rule that of the whole picture.
+    ///
+    /// A film of crops that cover it is that of the whole picture, bit for bit. What nothing is
+    /// pasted on stays as it was, black in a [new](Film::new) film; where crops overlap, the last
+    /// one counts, which has the same pixels. Counters are added up: paste each crop once.
+    ///
+    /// ```
+    /// use nurbray::render::{Film, PixelRect, RenderSettings};
+    ///
+    /// let settings = RenderSettings { size: (8, 6), ..Default::default() };
+    /// let mut whole = Film::new(&settings)?;
+    /// for (min, max) in [([0, 0], [8, 3]), ([0, 3], [8, 6])] {
+    ///     let crop = Some(PixelRect::new(min, max)?);
+    ///     // Here the crop would be rendered, on some other machine perhaps.
+    ///     let part = Film::new(&RenderSettings { crop, ..settings.clone() })?;
+    ///     whole.paste(&part)?;
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When the films differ in size, integrator, data channels, seed, kernel or samples, or the
+    /// other one has pixels that this one has not; this film then stays as it was. That both are
+    /// of the same scene and camera cannot be seen from films, and is up to the caller.
+    pub fn paste(&mut self, part: &Self) -> Result<(), PasteError> {
+        let samples = (self.settings.samples != part.settings.samples).then_some("samples");
+        if let Some(what) = self.differing(part).or(samples) {
+            return Err(PasteError::Different(what));
+        }
+        let (part_window, window) = (part.window(), self.window());
+        if window.intersection(&part_window) != Some(part_window) {
+            return Err(PasteError::Outside { part: part_window, window });
+        }
+        self.insert(&part.pixels, part.counters);
+        Ok(())
+    }
+
+    /// What keeps films from being parts of one picture, whatever their crops and samples.
+    fn differing(&self, other: &Self) -> Option<&'static str> {
+        let (a, b) = (&self.settings, &other.settings);
+        let same = [
+            ("sizes", a.size == b.size),
+            ("integrators", a.integrator == b.integrator),
+            ("data channels", a.aovs == b.aovs),
+            ("seeds", a.seed == b.seed),
+            ("kernels", a.kernel == b.kernel),
+        ];
+        same.into_iter().find(|(_, same)| !same).map(|(what, _)| what)
     }
 
     /// Puts a painted tile in its place.
@@ -345,6 +420,54 @@ mod tests {
             "films of samples 0..4 and 5..6 cannot be merged: one range must follow the other"
         );
         assert!(film(0..4).merge(film(0..4)).is_err());
+    }
+
+    #[test]
+    fn refuses_to_paste_what_does_not_belong_there() {
+        let crop = |min, max| Some(PixelRect::new(min, max).unwrap());
+        let part = RenderSettings { crop: crop([0, 0], [2, 2]), ..settings(0..4) };
+        let mut left = Film::made_up(&part);
+        let before = left.clone();
+        assert_eq!(
+            left.paste(&film(0..4)).unwrap_err().to_string(),
+            "the pixels 0,0,3,2 cannot be pasted into a film that holds 0,0,2,2 only"
+        );
+        let other = |settings| left.clone().paste(&Film::new(&settings).unwrap());
+        let message = |settings| other(settings).unwrap_err().to_string();
+        let inside = RenderSettings { crop: crop([1, 0], [2, 1]), ..settings(0..4) };
+        assert_eq!(other(inside.clone()), Ok(()));
+        assert_eq!(
+            message(RenderSettings { samples: 0..8, ..inside.clone() }),
+            "films of different samples cannot be pasted into each other"
+        );
+        assert_eq!(
+            message(RenderSettings { size: (4, 2), ..inside }),
+            "films of different sizes cannot be pasted into each other"
+        );
+        assert_eq!((&left, left.counters()), (&before, before.counters()));
+    }
+
+    #[test]
+    fn equal_films_are_the_same_picture_however_it_was_made() {
+        let whole = film(0..8);
+        let made = Film::made_up(&RenderSettings { threads: 2, ..settings(0..8) });
+        let crop = Some(PixelRect::new([0, 0], [3, 2]).unwrap());
+        let cropped = Film::made_up(&RenderSettings { crop, ..settings(0..8) });
+        let merged = film(0..3).merge(film(3..8)).unwrap();
+        assert_ne!(merged.counters(), whole.counters());
+        assert!([made, cropped, merged].iter().all(|film| *film == whole));
+
+        let crop = Some(PixelRect::new([1, 0], [3, 2]).unwrap());
+        for other in [
+            RenderSettings { samples: 0..7, ..settings(0..8) },
+            RenderSettings { samples: 8..16, ..settings(0..8) },
+            RenderSettings { aovs: AovSet::NONE, ..settings(0..8) },
+            RenderSettings { size: (2, 3), ..settings(0..8) },
+            RenderSettings { crop, ..settings(0..8) },
+        ] {
+            assert_ne!(Film::made_up(&other), whole);
+        }
+        assert_ne!(Film::new(&settings(0..8)).unwrap(), whole); // other pixels
     }
 
     #[test]

@@ -16,9 +16,12 @@
 //! All but `direct` are black where nothing is hit (`iterations`: where nothing was done).
 //!
 //! Samples are functions of seed, pixel, sample number and dimension ([`Sampler`]), and a
-//! film of the samples A to B can be [merged](Film::merge) with one of B to C. So a picture
-//! can be made by any number of threads or machines, in crops or in ranges of samples, and
-//! is the same to the last bit.
+//! pixel depends on nothing else. So a picture can be made by any number of threads or machines,
+//! and is the same to the last bit: crops have the pixels of the whole picture, and are
+//! [pasted](Film::paste) into one film; a film of the samples A to B, too, is that of the whole
+//! once it is [merged](Film::merge) with that of B to C. All machines must use one
+//! [kernel](RenderSettings::kernel), as others may round the last digits differently: name it, for
+//! the default is the fastest of the processor at hand.
 
 mod aov;
 mod driver;
@@ -34,7 +37,7 @@ mod tile;
 
 pub use aov::{Aov, AovListError, AovSet, Channel};
 pub use driver::{Progress, RenderError, render};
-pub use film::{Counters, Film, FilmError, MergeError};
+pub use film::{Counters, Film, FilmError, MergeError, PasteError};
 pub use rect::{PixelRect, RectError};
 pub use sampler::{Dimensions, Sampler};
 pub use settings::{MAX_PIXELS, MAX_THREADS, RenderSettings, SettingsError};
