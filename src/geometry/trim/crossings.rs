@@ -63,6 +63,7 @@ pub(super) fn check_crossings(
         }
     }
 
+    let mut checks = Checks { segments, loops, owners, trees: BTreeMap::new() };
     let most = WORK_FOR_A_START + WORK_PER_SEGMENT * segments.len();
     let (mut found, mut work, mut enough) = (Vec::new(), 0, FIRST_LOOK);
     for a in 0..segments.len() {
@@ -71,58 +72,67 @@ pub(super) fn check_crossings(
         work += compared;
         // A tangle crosses itself early, so not all of its contacts need to be found.
         if found.len() >= enough || work > most {
-            check_contacts(segments, loops, owners, &found)?;
+            checks.check(&found)?;
             enough = found.len() * 4;
         }
         if work > most {
             return Err(TrimError::Entangled { limit: most });
         }
     }
-    check_contacts(segments, loops, owners, &found)
+    checks.check(&found)
 }
 
-/// Fails if loops cross at or between these contacts.
-fn check_contacts(
-    segments: &[Segment],
-    loops: &[Range<usize>],
-    owners: &[usize],
-    contacts: &[Contact],
-) -> Result<(), TrimError> {
-    let mut own: BTreeMap<usize, Vec<&Contact>> = BTreeMap::new();
-    for contact in contacts.iter().filter(|contact| contact.loops[0] == contact.loops[1]) {
-        own.entry(contact.loops[0]).or_default().push(contact);
-    }
-    for ([this, other], found) in by_loops(contacts) {
-        let own = own.get(&this).filter(|_| this == other);
-        let strand = Strand {
-            segments,
-            range: loops[this].clone(),
-            lobes: Lobes::between(own.into_iter().flatten().copied(), segments, &loops[this]),
-            other: Tree::new(segments, std::slice::from_ref(&loops[other])),
-            itself: this == other,
-        };
-        let (loop_a, loop_b) = (owners[this], owners[other]);
-        match strand.course(&found) {
-            Course::Steady => {}
-            Course::Crosses(at) if loop_a == loop_b => {
-                return Err(TrimError::SelfCrossing { index: loop_a, at });
-            }
-            Course::Crosses(at) => {
-                let loops = [loop_a.min(loop_b), loop_a.max(loop_b)];
-                return Err(TrimError::Crossing { loops, at });
-            }
-            Course::Hidden if this == other => {
-                let own = &segments[loops[this].clone()];
-                let error = if encloses(own) { repeated } else { degenerate };
-                return Err(error(loop_a, own));
-            }
-            Course::Hidden => {
-                let loops = [loop_a.min(loop_b), loop_a.max(loop_b)];
-                return Err(TrimError::Coincident { loops });
+/// What contacts are checked with.
+struct Checks<'a> {
+    segments: &'a [Segment],
+    loops: &'a [Range<usize>],
+    owners: &'a [usize],
+    /// The hierarchies of single loops that others touch, each built once: a loop with many teeth
+    /// may touch another one at each.
+    trees: BTreeMap<usize, Tree>,
+}
+
+impl Checks<'_> {
+    /// Fails if loops cross at or between these contacts.
+    fn check(&mut self, contacts: &[Contact]) -> Result<(), TrimError> {
+        let Self { segments, loops, owners, .. } = *self;
+        let mut own: BTreeMap<usize, Vec<&Contact>> = BTreeMap::new();
+        for contact in contacts.iter().filter(|contact| contact.loops[0] == contact.loops[1]) {
+            own.entry(contact.loops[0]).or_default().push(contact);
+        }
+        for ([this, other], found) in by_loops(contacts) {
+            let lobes = match own.get(&this).filter(|_| this == other) {
+                Some(own) => Lobes::between(own.iter().copied(), segments, &loops[this]),
+                None => Lobes::default(),
+            };
+            let alone = std::slice::from_ref(&loops[other]);
+            let other_tree = self.trees.entry(other).or_insert_with(|| Tree::new(segments, alone));
+            let range = loops[this].clone();
+            let itself = this == other;
+            let strand = Strand { segments, range, lobes, other: other_tree, itself };
+            let (loop_a, loop_b) = (owners[this], owners[other]);
+            match strand.course(&found) {
+                Course::Steady => {}
+                Course::Crosses(at) if loop_a == loop_b => {
+                    return Err(TrimError::SelfCrossing { index: loop_a, at });
+                }
+                Course::Crosses(at) => {
+                    let loops = [loop_a.min(loop_b), loop_a.max(loop_b)];
+                    return Err(TrimError::Crossing { loops, at });
+                }
+                Course::Hidden if itself => {
+                    let own = &segments[loops[this].clone()];
+                    let error = if encloses(own) { repeated } else { degenerate };
+                    return Err(error(loop_a, own));
+                }
+                Course::Hidden => {
+                    let loops = [loop_a.min(loop_b), loop_a.max(loop_b)];
+                    return Err(TrimError::Coincident { loops });
+                }
             }
         }
+        Ok(())
     }
-    Ok(())
 }
 
 fn degenerate(index: usize, segments: &[Segment]) -> TrimError {
@@ -184,7 +194,7 @@ struct Strand<'a> {
     segments: &'a [Segment],
     range: Range<usize>,
     lobes: Lobes,
-    other: Tree,
+    other: &'a Tree,
     /// Whether the other is the loop itself.
     itself: bool,
 }

@@ -30,6 +30,7 @@ const PARTS: usize = 8;
 
 /// The small lobes of a loop, as separate ranges of its places, in order: a place is the index of
 /// the segment plus the fraction of it that the loop has run through.
+#[derive(Default)]
 pub(super) struct Lobes {
     ranges: Vec<[f64; 2]>,
 }
