@@ -40,6 +40,7 @@ mod lobes;
 mod loop_piece;
 mod monotone;
 mod outline;
+mod seam_sides;
 #[cfg(test)]
 mod seam_tests;
 mod segment;

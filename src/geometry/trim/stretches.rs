@@ -3,8 +3,9 @@
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
 use super::curve::euclidean;
+use super::seam_sides::{Alike, SeamSides};
 use super::segment::Segment;
-use super::{Side, Trims};
+use super::{Side, Trims, UvBox};
 use crate::geometry::Direction;
 use crate::math::bernstein::restrict;
 
@@ -65,68 +66,38 @@ impl Trims {
         kept
     }
 
-    /// Whether both sides of a straight segment are alike because loops run to and fro along one
-    /// line across a periodic direction, or along two lines a period apart, as a band around a
-    /// cylinder does along the seam.
-    fn cancels(&self, segment: &Segment) -> bool {
-        let size = self.domain().bounds().size();
-        let other_end = |one: &Segment, axis: usize| one.ends().map(|end| end[1 - axis]);
-        [Direction::U, Direction::V].into_iter().enumerate().any(|(axis, direction)| {
-            let across = |one: &Segment| one.ends()[0][axis] == one.ends()[1][axis];
-            let line = segment.ends()[0][axis];
-            self.domain().is_periodic(direction)
-                && across(segment)
-                && self.loop_segments().flatten().any(|one| {
-                    let apart = (one.ends()[0][axis] - line).abs();
-                    let slack = 8.0 * f64::EPSILON * (line.abs() + size[axis]);
-                    // A loop's shifted copies run in the same direction and do not count as the
-                    // other side.
-                    let other = one.is_forward() != segment.is_forward();
-                    let same = other && (apart <= slack || (apart - size[axis]).abs() <= slack);
-                    same && across(one) && other_end(one, axis) == other_end(segment, axis)
-                })
-        })
-    }
-
     /// Each loop's chains of pieces inside the closed domain, in the direction of the loop, without
     /// pieces whose two sides are alike. No piece crosses a line of constant parameter among `cuts`
-    /// (in u, in v); all pieces of a loop have the same degree. A loop that is never cut by the
-    /// domain's border is one chain, whose last piece ends where the first begins.
+    /// (in u, in v) by more than the rounding error of the curve, and nothing is cut off that is no
+    /// longer than this error; all pieces of a loop have the same degree. A loop that is never cut
+    /// by the domain's border is one chain, whose last piece ends where the first begins.
     pub(crate) fn edge_chains(&self, cuts: [&[f64]; 2]) -> Vec<Vec<EdgePiece>> {
-        let bounds = self.domain().bounds();
+        let domain = self.domain();
+        let UvBox { min, max } = domain.bounds();
+        let lines = [0, 1].map(|axis| [cuts[axis], &[min[axis], max[axis]]].concat());
+        let sides = SeamSides::new(domain, &self.segments);
+        // Sides along seams lie on them; a side along another border may be beyond it by rounding.
+        let loose = [Direction::U, Direction::V].map(|way| !domain.is_periodic(way));
+        let loose = DVec2::from_array(loose.map(|loose| f64::from(u8::from(loose))));
+
         let mut chains = Vec::new();
         for segments in self.loop_segments() {
-            let controls = segments.iter().map(directed);
-            let degree = segments.iter().map(|segment| directed(segment).len() - 1).max();
-            let degree = degree.unwrap_or(1);
+            let controls: Vec<Vec<DVec3>> = segments.iter().map(directed).collect();
+            let degree = controls.iter().map(|control| control.len() - 1).max().unwrap_or(1);
+            let size = segments.iter().map(Segment::bounds).fold(UvBox::EMPTY, UvBox::union).size();
 
             // The pieces in order; `None` where the loop is outside the domain or not an edge.
             let mut pieces: Vec<Option<EdgePiece>> = Vec::new();
-            for (segment, control) in segments.iter().zip(controls) {
-                let mut control = control;
+            for (segment, mut control) in segments.iter().zip(controls) {
                 while control.len() <= degree {
                     control = elevated(&control);
                 }
-                let edge = !self.cancels(segment);
-                let mut stops = vec![0.0, 1.0];
-                for axis in 0..2 {
-                    let [from, to] = segment.directed_ends().map(|end| end[axis]);
-                    let borders = [bounds.min[axis], bounds.max[axis]];
-                    let crossed = cuts[axis]
-                        .iter()
-                        .chain(&borders)
-                        .filter(|line| from.min(to) < **line && **line < from.max(to));
-                    stops.extend(crossed.map(|&line| {
-                        let t = segment.reaching(axis, line);
-                        if segment.is_forward() { t } else { 1.0 - t }
-                    }));
-                }
-                stops.sort_by(f64::total_cmp);
-                stops.dedup();
-                for pair in stops.windows(2) {
+                let alike = sides.alike(segment, size);
+                let inside = domain.bounds().grown(loose * segment.reach());
+                for pair in stops(segment, &lines, &alike).windows(2) {
                     let middle = segment.directed_at(0.5 * (pair[0] + pair[1]));
-                    let inside = edge && bounds.holds(middle);
-                    pieces.push(inside.then(|| {
+                    let is_edge = inside.holds(middle) && !alike.hold(middle);
+                    pieces.push(is_edge.then(|| {
                         let mut part = control.clone();
                         restrict(&mut part, pair[0], pair[1]);
                         EdgePiece { control: part }
@@ -142,6 +113,38 @@ impl Trims {
         }
         chains
     }
+}
+
+/// From 0 to 1, the fractions of a segment, in the direction of its loop, at which it is cut: where
+/// it crosses one of the lines of constant parameter (in u, in v), and where its parts with both
+/// sides alike begin and end.
+///
+/// Curves of CAD files end a rounding error beside the surface's knots. Beyond a line by no more
+/// than the error of the curve, it counts as ending there: what is cut off would have no direction.
+fn stops(segment: &Segment, lines: &[Vec<f64>; 2], alike: &Alike) -> Vec<f64> {
+    let (reach, UvBox { min, max }) = (segment.reach(), segment.bounds());
+    let mut crossings = Vec::new();
+    for axis in 0..2 {
+        let [low, high] = [min[axis] + reach[axis], max[axis] - reach[axis]];
+        let crossed = lines[axis].iter().chain(alike.ends(axis));
+        let crossed = crossed.filter(|line| low < **line && **line < high);
+        crossings.extend(crossed.map(|&line| {
+            let t = segment.reaching(axis, line);
+            if segment.is_forward() { t } else { 1.0 - t }
+        }));
+    }
+    crossings.sort_by(f64::total_cmp);
+
+    let at = |along: f64| segment.directed_at(along);
+    let are_apart = |a: f64, b: f64| (at(a) - at(b)).abs().cmpgt(reach).any();
+    let mut stops = vec![0.0];
+    for along in crossings {
+        if are_apart(stops[stops.len() - 1], along) && are_apart(along, 1.0) {
+            stops.push(along);
+        }
+    }
+    stops.push(1.0);
+    stops
 }
 
 /// The control points of a segment in the direction in which the loop runs.

@@ -21,7 +21,7 @@ pub const SEAM_TOLERANCE: f64 = 1e-8;
 
 /// Sides this close to a seam, relative to the loop's extent, may lie on it: a tenth of a pixel of
 /// a loop drawn a thousand pixels wide.
-const NEAR_SEAM: f64 = 1e-4;
+pub(super) const NEAR_SEAM: f64 = 1e-4;
 
 /// A side runs along a seam if it strays by no more than this fraction of its length, each relative
 /// to the loop's extent.
