@@ -112,7 +112,7 @@ impl<'a> BorderCurve<'a> {
     /// `rounding`, as along a pole.
     pub(crate) fn of_edge(edge: NurbsCurve, rounding: f64) -> Vec<Self> {
         let (start, end) = edge.domain();
-        let corners = corners(&edge);
+        let corners = corners(&edge, rounding);
         let edge = Arc::new(edge);
         let stops: Vec<f64> = [start].into_iter().chain(corners).chain([end]).collect();
         let part =
@@ -241,16 +241,22 @@ impl<'a> BorderCurve<'a> {
     }
 }
 
-/// The parameters where a curve turns a corner.
-fn corners(curve: &NurbsCurve) -> Vec<f64> {
-    let knots = curve.knots();
-    let inner = knots.spans().skip(1).map(|span| span.start);
-    let turns = |&t: &f64| {
-        let [before, behind] = [t.next_down(), t].map(|t| curve.derivatives(t).first);
+/// The parameters where a curve turns a corner, if its points are known to within `rounding`:
+/// between pieces that are long enough to have a direction.
+fn corners(curve: &NurbsCurve, rounding: f64) -> Vec<f64> {
+    let length = |[start, end]: [f64; 2]| {
+        let [a, b, c] = [start, 0.5 * (start + end), end].map(|t| curve.point_at(t));
+        a.distance(b) + b.distance(c)
+    };
+    let pieces = curve.knots().spans().map(|span| [span.start, span.end]);
+    let pieces: Vec<[f64; 2]> = pieces.filter(|&piece| length(piece) > SLIVER * rounding).collect();
+    let turns = |pair: &&[[f64; 2]]| {
+        let [before, behind] =
+            [pair[0][1].next_down(), pair[1][0]].map(|t| curve.derivatives(t).first);
         let goes_on = before.angle_between(behind) <= CORNER; // false for NaN, as for derivative 0
         !goes_on
     };
-    inner.filter(|&t| knots.multiplicity(t) >= knots.degree()).filter(turns).collect()
+    pieces.windows(2).filter(turns).map(|pair| pair[1][0]).collect()
 }
 
 /// Parameters that cut a range into equal parts, without the range's end.
@@ -261,6 +267,11 @@ fn divided([start, end]: [f64; 2], parts: usize) -> impl Iterator<Item = f64> {
 /// The turn of a trim edge, in radians, above which it has a corner: 12°, as in
 /// [`SIDE_BY_SIDE`](super::neighbours::SIDE_BY_SIDE).
 const CORNER: f64 = 0.21;
+
+/// The direction of a piece that is no longer than so many error bounds of its points is not known
+/// to within half of [`CORNER`]: such slivers are left where curves of CAD files end just beside
+/// the surface's knots.
+const SLIVER: f64 = 16.0;
 
 /// A point that lies beyond the end of a curve by more than this share of what counts as near
 /// is beside another part of the model.
@@ -300,6 +311,26 @@ mod tests {
             }
             assert_eq!(rim.distance(DVec3::new(0.9 * cos, 0.9 * sin, z), 0.01), None);
         }
+    }
+
+    /// Slivers no longer than rounding have no direction: they are no corners, and hide none.
+    #[test]
+    fn edges_have_corners_where_they_turn() {
+        let tiny = 1e-15;
+        let parts = |points: &[[f64; 2]]| {
+            let count = points.len();
+            let mut knots = vec![0.0];
+            knots.extend((0..count).map(|k| k as f64));
+            knots.push((count - 1) as f64);
+            let points = points.iter().map(|p| DVec3::new(p[0], p[1], 0.0)).collect();
+            let edge = KnotVector::new(1, knots).unwrap();
+            BorderCurve::of_edge(NurbsCurve::new(edge, points, None).unwrap(), tiny).len()
+        };
+        assert_eq!(parts(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]), 1);
+        assert_eq!(parts(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), 2);
+        assert_eq!(parts(&[[0.0, 0.0], [1.0, 0.0], [1.0, 2.0 * tiny], [2.0, 0.0]]), 1);
+        assert_eq!(parts(&[[0.0, 0.0], [1.0, 0.0], [1.0 + tiny, tiny], [1.0, 1.0]]), 2);
+        assert_eq!(parts(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1e-6], [2.0, 1e-6]]), 3);
     }
 
     #[test]
