@@ -88,7 +88,7 @@ impl HitFlags {
     /// The surface has no normal here.
     pub const NO_NORMAL: Self = Self(4);
     /// The hit lies on a trim edge, to within rounding. Sides of loops along the border or the seam
-    /// of a surface are [`BORDER`](Self::BORDER)s; this may be set there, too.
+    /// of a surface are only [`BORDER`](Self::BORDER)s.
     pub const TRIM_EDGE: Self = Self(8);
     /// The ray runs inside the surface; the hit is an end of that stretch.
     pub const INSIDE: Self = Self(16);

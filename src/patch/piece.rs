@@ -118,11 +118,23 @@ impl Piece {
     /// counts.
     pub(crate) fn side_within(&self, st: DVec2, reach: DVec2, part: f64) -> Side {
         let Some(trims) = self.trims() else { return Side::Inside };
+        trims.seen_within(self.chart_uv(st), self.chart_reach(reach, part), part)
+    }
+
+    /// Whether a trim curve that does not lie on the domain's border passes within `reach` of a
+    /// point of the unit square, or within the rounding of [`Self::uv`].
+    pub(crate) fn is_cut_within(&self, st: DVec2, reach: DVec2) -> bool {
+        let reach = self.chart_reach(reach, 1.0);
+        self.trims().is_some_and(|trims| trims.cuts(&UvBox::about(self.chart_uv(st), reach)))
+    }
+
+    /// `reach` on the unit square as one in the chart's parameters, with this part of their
+    /// rounding.
+    fn chart_reach(&self, reach: DVec2, part: f64) -> DVec2 {
         let lengths = DVec2::from_array(self.domain().map(|[from, to]| to - from));
         let reach = reach * lengths + part * self.uv_rounding();
         // NaN means unknown.
-        let reach = DVec2::select(reach.cmpge(DVec2::ZERO), reach, DVec2::INFINITY);
-        trims.seen_within(self.chart_uv(st), reach, part)
+        DVec2::select(reach.cmpge(DVec2::ZERO), reach, DVec2::INFINITY)
     }
 
     /// What the trims look like within a rectangle, in box coordinates: see [`Trims::window`].

@@ -101,8 +101,9 @@ pub enum Coverage {
 /// kept and marked as mixed. A hit on a mixed leaf is dropped if it is [`Side::Outside`] and
 /// reported otherwise, edges included: the kept part is closed, as a surface is at its border. A
 /// hit is flagged as being at a trim edge if it is an [`Side::Edge`]
-/// [within](Trims::contains_within) the error bound of its point in space. Away from edges, the few
-/// curves of a leaf's window (`window`) give the same answers faster.
+/// [within](Trims::contains_within) the error bound of its point in space, but not if the only
+/// curves there lie on the domain's border. Away from edges, the few curves of a leaf's window
+/// (`window`) give the same answers faster.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trims {
     domain: TrimDomain,
@@ -281,7 +282,7 @@ impl Trims {
     }
 
     /// Whether a trim curve that does not lie on the domain's border passes through a rectangle.
-    fn cuts(&self, target: &UvBox) -> bool {
+    pub(crate) fn cuts(&self, target: &UvBox) -> bool {
         self.any_meets(target, |segment| !segment.is_on_border())
     }
 

@@ -6,7 +6,6 @@ use glam::{DVec2, DVec3};
 
 use super::same_place::{Reach, moved};
 use crate::geometry::Direction;
-use crate::intersect::HitFlags;
 use crate::intersect::roots::borders::trim_reach;
 use crate::intersect::roots::meeting::Meeting;
 use crate::math::bernstein::restrict;
@@ -65,10 +64,10 @@ impl Face<'_> {
     /// The angle around a place with a tangent plane: of the directions in that plane that neither
     /// a side nor trims cut off.
     fn around_place(&self, [s0, s1, t0, t1]: [bool; 4]) -> Option<f64> {
-        let Meeting { st, jet, flags, .. } = self.meeting;
+        let Meeting { st, jet, at_trims, .. } = self.meeting;
         let lengths = DVec2::from_array(self.piece.domain().map(|[from, to]| to - from));
         let sectors = match self.piece.trims() {
-            Some(trims) if flags.contains(HitFlags::TRIM_EDGE) => {
+            Some(trims) if *at_trims => {
                 let reach = trim_reach(jet, self.reach.along_ray) * lengths;
                 Some(trims.around(self.piece.chart_uv(*st), reach)?)
             }

@@ -70,6 +70,8 @@ struct Crossing {
     /// The flags of all of them, but for doubt.
     flags: HitFlags,
     is_certain: bool,
+    /// Whether any of them is at a trim curve.
+    at_trims: bool,
     /// Whether all of them are beyond a side.
     is_beyond: bool,
     /// Whether it may be more than one crossing, or a part of another: a view is doubtful and
@@ -84,6 +86,7 @@ impl Crossing {
             best: view,
             flags: meeting.flags.without(HitFlags::DOUBTFUL),
             is_certain: meeting.is_certain(),
+            at_trims: meeting.at_trims,
             is_beyond: meeting.beyond,
             is_open: touches(meeting),
         }
@@ -102,6 +105,7 @@ impl Crossing {
         }
         self.flags = self.flags.with(meeting.flags.without(HitFlags::DOUBTFUL));
         self.is_certain |= meeting.is_certain();
+        self.at_trims |= meeting.at_trims;
         self.is_beyond &= meeting.beyond;
         self.is_open |= touches(meeting);
     }
@@ -111,7 +115,8 @@ impl Crossing {
         let is_doubtful = self.is_open || !self.is_certain;
         let doubt = if is_doubtful { HitFlags::DOUBTFUL } else { HitFlags::NONE };
         let flags = self.flags.with(doubt);
-        Meeting { flags, beyond: self.is_beyond, ..meetings[self.best] }
+        let (at_trims, beyond) = (self.at_trims, self.is_beyond);
+        Meeting { flags, at_trims, beyond, ..meetings[self.best] }
     }
 }
 
@@ -186,6 +191,7 @@ mod tests {
             normal: Some(DVec3::Z),
             flags,
             error: 1e-15,
+            at_trims: false,
             edge: 0.0,
             cosine,
             stretch: None,

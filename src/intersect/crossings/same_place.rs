@@ -3,7 +3,6 @@
 use glam::{DVec2, DVec3};
 
 use super::sides::has_no_normal;
-use crate::intersect::HitFlags;
 use crate::intersect::roots::meeting::Meeting;
 use crate::patch::{Jet, Piece};
 
@@ -155,8 +154,7 @@ impl<'a> AtSides<'a> {
     fn new(meeting: &'a Meeting, piece: &'a Piece, reach: &Reach) -> Self {
         let sides = reach.sides(meeting.st, &meeting.jet);
         let ends = |side: usize| piece.is_border(side) || piece.is_collapsed(side);
-        let at_end = meeting.flags.contains(HitFlags::TRIM_EDGE)
-            || (0..4).any(|side| sides[side] && ends(side));
+        let at_end = meeting.at_trims || (0..4).any(|side| sides[side] && ends(side));
         Self { meeting, piece, sides, at_end }
     }
 

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::borders::{TRIM_SPARE, at_border, on_piece, root_reach, rounding_at};
+use super::borders::{TRIM_SPARE, at_border, on_piece, root_reach, rounding_at, trim_reach};
 use super::grazing::KnownRoot;
 use super::meeting::Meeting;
 use super::pole_side::stands_still;
@@ -66,6 +66,8 @@ struct Candidate<'a> {
     flags: HitFlags,
     /// Whether the solution lies a little outside the piece.
     moved: bool,
+    /// Whether a trim curve is near, if only one along the border; see [`Meeting::at_trims`].
+    at_trims: bool,
     /// How far the point may be from the trim edge it is at; zero elsewhere.
     edge: f64,
     /// Whether trims cut the point off by more than the rounding of a ray aimed at their edge.
@@ -110,6 +112,7 @@ impl<'a> Candidate<'a> {
             cosine,
             flags,
             moved,
+            at_trims: false,
             edge: 0.0,
             cut_off: false,
             just_cut_off: false,
@@ -126,7 +129,10 @@ impl<'a> Candidate<'a> {
         match trim_side(leaf, piece, (spot.st, &spot.jet), &known) {
             Side::Inside => {}
             Side::Edge { inside, distance } => {
-                self.flags.insert(HitFlags::TRIM_EDGE);
+                self.at_trims = true;
+                if piece.is_cut_within(spot.st, trim_reach(&spot.jet, z_error)) {
+                    self.flags.insert(HitFlags::TRIM_EDGE);
+                }
                 let lengths = DVec2::from_array(piece.domain().map(|[from, to]| to - from));
                 let speeds = DVec2::new(spot.jet.ds.length(), spot.jet.dt.length());
                 // At a pole a parameter may be anything: a distance that is not finite says
@@ -167,7 +173,7 @@ impl<'a> Candidate<'a> {
 
     /// Drops the root the ray starts on: it is not met again.
     fn leave_start(&self) -> Result<(), Dropped> {
-        let Self { question, error, z_error, cosine, flags, .. } = *self;
+        let Self { question, error, z_error, cosine, flags, at_trims, .. } = *self;
         let (z, proof) = (self.on_ray.z, self.solution.proof);
         let point = self.on_ray.spot.jet.point;
         if let Some((root, start)) = question.start_on(self.on_ray.spot.piece.surface) {
@@ -182,7 +188,7 @@ impl<'a> Candidate<'a> {
         let from_start = question.from.map_or(f64::NEG_INFINITY, |root| z_error + root.error);
         let is_start = z.abs() <= from_start
             && flags.without(HitFlags::TRIM_EDGE).is_empty()
-            && (flags.contains(HitFlags::TRIM_EDGE) || self.is_at_border())
+            && (at_trims || self.is_at_border())
             && question.starts_on_edge_at(point, cosine, z_error);
         if is_start { Err(Dropped::Surely) } else { Ok(()) }
     }
@@ -198,7 +204,7 @@ impl<'a> Candidate<'a> {
             return Err(if undecided { from } else { Dropped::Surely });
         }
         let is_flat = self.z_error > EDGE_IN_DOUBT * self.error;
-        if undecided || (self.flags.contains(HitFlags::TRIM_EDGE) && is_flat) {
+        if undecided || (self.at_trims && is_flat) {
             self.flags.insert(HitFlags::DOUBTFUL);
         }
         Ok(())
@@ -211,7 +217,8 @@ impl<'a> Candidate<'a> {
 
     fn meeting(self) -> Meeting {
         let at_border = self.is_at_border();
-        let Self { question, on_ray, error, z_error, normal, cosine, edge, mut flags, .. } = self;
+        let Self { question, on_ray, error, z_error, normal, .. } = self;
+        let Self { at_trims, edge, mut cosine, mut flags, .. } = self;
         let OnRay { spot, z, residual, .. } = on_ray;
         let ray = question.ray;
         if at_border {
@@ -223,7 +230,9 @@ impl<'a> Candidate<'a> {
             || residual > aimed
                 && (self.moved || is_at_pole && spot.is_passed_outside_at_pole(ray, aimed));
         if question.all_hits && at_border && stands_still(&spot, error) {
+            // Which way the ray goes through the surface is not known.
             flags.insert(HitFlags::DOUBTFUL);
+            cosine = 0.0;
         }
         let Spot { index, piece, st, jet } = spot;
         let stretch = match self.solution.proof {
@@ -241,6 +250,7 @@ impl<'a> Candidate<'a> {
             normal,
             flags,
             error,
+            at_trims,
             edge,
             cosine,
             stretch,

@@ -25,6 +25,9 @@ pub(crate) struct Meeting {
     pub flags: HitFlags,
     /// How far the surface's point may be from the ray.
     pub error: f64,
+    /// Whether it is at a trim curve, to within rounding. A curve along the border of the domain
+    /// counts, though it is no trim edge to report.
+    pub at_trims: bool,
     /// How far the point may be from the trim edge it is at; zero elsewhere.
     pub edge: f64,
     /// The cosine between the ray and the normal, signed; zero where there is no normal, or where
@@ -82,6 +85,7 @@ impl CertainHit {
             normal,
             flags,
             error: piece.patch.error_bound(frame.magnitude),
+            at_trims: false,
             edge: 0.0,
             cosine: normal.map_or(0.0, |normal| normal.dot(frame.axis)),
             stretch: None,
