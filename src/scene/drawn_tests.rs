@@ -3,12 +3,14 @@
 
 use glam::{DVec2, DVec3};
 
-use super::drawn::{control_nets, iso_curves, iso_lines};
+use super::drawn::{control_nets, iso_curves, iso_lines, trim_curves};
 use crate::geometry::construct::{
     Axis, Caps, Component, ComponentKind, ControlNet, NetStyle, TubeStyle, extrude, revolve, tube,
 };
+use crate::geometry::shapes;
+use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
 use crate::geometry::{
-    Cage, CageParts, KnotVector, NurbsCurve, NurbsSurface, Surface, TrianglePatch,
+    Cage, CageParts, KnotVector, NurbsCurve, NurbsSurface, Surface, TrianglePatch, TrimmedSurface,
 };
 use crate::intersect::{Query, SurfaceBvh};
 use crate::math::Ray;
@@ -171,4 +173,21 @@ fn nets_that_cannot_be_drawn_are_named() {
                 from 0";
     assert_eq!(message(&[good, bad.clone()]), format!("surface 1: {told}"));
     assert_eq!(message(&[bad]), told);
+}
+
+/// The lowest and highest places of a hole are met at a joint of its circle and, a tiny way off, at a knot of the
+/// surface: the piece between the two is neither a bend nor a corner.
+#[test]
+fn a_trim_edge_has_a_joint_beside_a_knot() {
+    for aside in [1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-6] {
+        let pipe = shapes::cylinder(1.0, 1.0).unwrap();
+        let domain = TrimDomain::with_seams_of(&pipe).unwrap();
+        let hole = TrimLoop::circle(DVec2::new(0.25 + aside, 0.5), 0.1).unwrap();
+        let trims = Trims::new(domain, Kept::Even, &[hole]).unwrap();
+        let pipe = Surface::from(TrimmedSurface::new(pipe, trims).unwrap());
+        let made = trim_curves(&[pipe], &thin(0.01), ENOUGH);
+        let made = made.unwrap_or_else(|error| panic!("{aside:e}: {error}"));
+        let kinds: Vec<ComponentKind> = made.iter().map(|piece| piece.kind).collect();
+        assert_eq!(kinds, [ComponentKind::Tube], "{aside:e}");
+    }
 }

@@ -107,7 +107,7 @@ impl Run {
             (place(longer[p]).distance(target) <= self.slack).then_some(longer)
         };
         for part in &self.parts {
-            // A polynomial of the same degree that agrees at more places is the same.
+            // As many places as determine a polynomial of the degree p.
             for k in 0..=p {
                 let mut so_far = part.control.clone();
                 restrict(&mut so_far, 0.0, k as f64 / p as f64);
