@@ -66,6 +66,13 @@ impl From<LimitSurface> for Surface {
     }
 }
 
+/// Surfaces made from one `Arc` share its patches.
+impl From<Arc<LimitSurface>> for Surface {
+    fn from(surface: Arc<LimitSurface>) -> Self {
+        Self::Limit(surface)
+    }
+}
+
 impl Sealed for Surface {}
 
 impl Charts for Surface {

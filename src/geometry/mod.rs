@@ -12,7 +12,7 @@
 //! | `knots` | [`KnotVector`], and the [basis functions](BasisFunctions) over it |
 //! | `polygon` | control polygons, whether of curves or in nets: [`de_casteljau`], insertion, elevation, extraction |
 //! | `curve` | [`NurbsCurve`], the forms in which curves are written, curvature, [`CornerCutting`] |
-//! | `surface` | [`NurbsSurface`]: evaluation, refinement, iso-curves |
+//! | `surface` | [`NurbsSurface`]: evaluation, curvature, refinement, iso-curves |
 //! | [`trim`] | loops in a domain: [`Trims`](trim::Trims) |
 //! | `chart` | [`Charts`]: surfaces of any kind as NURBS surfaces |
 //! | `triangle`, `trimmed` | [`TrianglePatch`]; [`TrimmedSurface`] and the curves along its edges |
@@ -73,6 +73,8 @@ pub use magnitude::{MAX_MAGNITUDE, MIN_MAGNITUDE};
 pub(crate) use polygon::{Extraction, Extractions};
 pub use polygon::{bernstein, de_casteljau, halves};
 pub(crate) use surface::BezierForm;
-pub use surface::{Direction, NurbsSurface, SurfaceDerivatives, SurfaceError, matrix_patch};
+pub use surface::{
+    Direction, NurbsSurface, SurfaceCurvature, SurfaceDerivatives, SurfaceError, matrix_patch,
+};
 pub use triangle::{TriangleError, TrianglePatch, TriangleQuarter, TriangleSide};
 pub use trimmed::TrimmedSurface;

@@ -169,7 +169,9 @@ impl fmt::Debug for HitFlags {
 ///
 /// That root is not reported again and, where it is the only root there may be, not even searched
 /// for. So only [`Query::leaving`] sets it, after checking that the ray starts there.
-#[derive(Clone, Copy, Debug)]
+///
+/// Queries are equal if all of their numbers are, in whatever hierarchy their roots were found.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Query {
     pub(super) ray: Ray,
     pub(super) from: Option<Root>,
@@ -402,6 +404,7 @@ mod tests {
         let down = |k| Ray::new(DVec3::new(0.015 * f64::from(k), 0.1, 3.0), DVec3::NEG_Z).unwrap();
         let rays: Vec<Ray> = (0..100).map(down).collect();
         let queries: Vec<Query> = rays.iter().copied().map(Query::from).collect();
+        assert!(queries.iter().zip(&rays).all(|(query, ray)| *query == Query::primary(*ray)));
         for kernel in [Kernel::Scalar, Kernel::default()] {
             let mut tracer = bvh.tracer_with(kernel);
             for coherence in [Coherence::Coherent, Coherence::Incoherent] {
@@ -452,6 +455,7 @@ mod tests {
                 .map(|hit| Query::leaving(Ray::new(hit.point, DVec3::Z).unwrap(), hit))
                 .collect();
             assert!(onwards.iter().all(|query| query.start_root().is_some()));
+            assert!(onwards.iter().all(|query| *query != Query::primary(*query.ray())));
             for (bvh, is_met) in [(&first, false), (&first.clone(), false), (&second, true)] {
                 let mut tracer = bvh.tracer_with(*kernel);
                 let (mut answers, mut occlusions, mut all) = Default::default();

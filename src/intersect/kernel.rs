@@ -8,7 +8,7 @@ use thiserror::Error;
 
 /// Which code searches for hits. All give the same answers, to the stated accuracy; one kernel
 /// gives the same bits on every processor of one architecture that can run it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Kernel {
     /// The readable specification: one ray at a time in f64.
@@ -86,6 +86,8 @@ impl FromStr for Kernel {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+
     use super::*;
 
     #[test]
@@ -93,6 +95,7 @@ mod tests {
         for &kernel in Kernel::ALL {
             assert_eq!(kernel.name().parse(), Ok(kernel));
         }
+        assert_eq!(Kernel::ALL.iter().collect::<HashSet<_>>().len(), Kernel::ALL.len());
         let names: Vec<_> = Kernel::ALL.iter().map(|kernel| kernel.name()).collect();
         let message = "sse".parse::<Kernel>().unwrap_err().to_string();
         assert_eq!(message, format!("unknown kernel \"sse\"; known: {}", names.join(", ")));

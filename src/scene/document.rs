@@ -37,7 +37,7 @@ pub struct Scene {
 }
 
 /// A thing in the scene: one or more surfaces moved and painted alike.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Object {
     /// Its name.
     pub name: Option<Written<String>>,
@@ -51,6 +51,20 @@ pub struct Object {
     pub material: Option<Written<String>>,
     /// Whether its surfaces are turned inside out.
     pub reverse: bool,
+}
+
+impl Default for Object {
+    /// An object without parts; `object` is what to call it.
+    fn default() -> Self {
+        Self {
+            name: None,
+            default_name: "object".into(),
+            parts: Vec::new(),
+            transform: Vec::new(),
+            material: None,
+            reverse: false,
+        }
+    }
 }
 
 impl Scene {
@@ -102,6 +116,10 @@ impl Shape {
 }
 
 /// One surface of an object, or several that are made together.
+///
+/// Code makes parts from shapes, `Part::from(shape)`, or with more to say,
+/// `Part { name: "lid".into(), ..shape.into() }`; without a shape there is no part, and so no
+/// default one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// What it is called within its object; may be empty.

@@ -2,7 +2,7 @@
 
 use glam::DAffine3;
 
-use super::{NurbsSurface, SurfaceError};
+use super::{Direction, NurbsSurface, SurfaceError};
 use crate::geometry::affine::{moved, unfit_determinant};
 
 impl NurbsSurface {
@@ -30,6 +30,21 @@ impl NurbsSurface {
         let (nu, nv) = self.size();
         let control = (0..nv).flat_map(|j| (0..nu).map(move |i| self.homogeneous(i, j))).collect();
         Self::assembled([self.knots_v().clone(), self.knots_u().clone()], control)
+    }
+
+    /// The same surface with its parameters mapped linearly to another domain, `(start, end)` in u,
+    /// then in v, as [`domain`](Self::domain) gives it.
+    ///
+    /// # Errors
+    /// When a domain is empty or not finite, too short or too long for a surface, or too short for
+    /// the knots to stay apart.
+    pub fn on_domain(&self, domain: [(f64, f64); 2]) -> Result<Self, SurfaceError> {
+        let knots = |direction, (start, end)| {
+            let moved = self.knots(direction).on_domain(start, end);
+            moved.map_err(|error| SurfaceError::Knots { direction, error })
+        };
+        let (u, v) = (knots(Direction::U, domain[0])?, knots(Direction::V, domain[1])?);
+        Self::from_homogeneous(u, v, self.control().to_vec())
     }
 
     /// The surface moved by an affine map. The parameters stay as they are, so that if the map

@@ -66,16 +66,12 @@ impl SurfaceDerivatives {
     ///
     /// `None` where no limit is found: within the domain, at the tip of a cusp, for NaN.
     pub fn unit_normal(&self, inward: DVec2) -> Option<DVec3> {
+        if let Some(normal) = self.regular_normal() {
+            return Some(normal);
+        }
         let Self { point, du, dv, duu, duv, dvv } = *self;
         let [lu, lv, luu, luv, lvv] = [du, dv, duu, duv, dvv].map(DVec3::length);
-
-        // N₀, if the sine of the angle between its factors exceeds its rounding error.
         let noise = ROUNDING * point.abs().max_element();
-        let error = noise * (luu / lu / lu + 2.0 * luv / lu / lv + lvv / lv / lv);
-        let sine = (du / lu).cross(dv / lv);
-        if sine.length() > ROUNDING + error {
-            return normalized(sine); // not reached for NaN, which a zero length gives
-        }
 
         // Derivatives lost in their rounding errors count as zero, so that noise gets no direction.
         let u_vanishes = lu * lu <= noise * luu;
@@ -97,6 +93,18 @@ impl SurfaceDerivatives {
             (turn_u.cross(dv) + du.cross(turn_v), size)
         };
         if product.length() > CLEAR * size { normalized(product) } else { None }
+    }
+
+    /// The direction of `N₀` (see [`SurfaceDerivatives::unit_normal`]), if the sine of the angle
+    /// between its factors exceeds its rounding error.
+    pub(super) fn regular_normal(&self) -> Option<DVec3> {
+        let Self { point, du, dv, duu, duv, dvv } = *self;
+        let [lu, lv, luu, luv, lvv] = [du, dv, duu, duv, dvv].map(DVec3::length);
+        let noise = ROUNDING * point.abs().max_element();
+        let error = noise * (luu / lu / lu + 2.0 * luv / lu / lv + lvv / lv / lv);
+        let sine = (du / lu).cross(dv / lv);
+        // False for NaN, which a zero length gives.
+        if sine.length() > ROUNDING + error { normalized(sine) } else { None }
     }
 }
 

@@ -3,6 +3,7 @@
 mod arrange;
 mod bezier_form;
 mod closed;
+mod curvature;
 mod derivatives;
 mod error;
 mod evaluate;
@@ -19,6 +20,7 @@ mod tests;
 
 pub(crate) use arrange::check_invertible;
 pub(crate) use bezier_form::BezierForm;
+pub use curvature::SurfaceCurvature;
 pub use derivatives::SurfaceDerivatives;
 pub use error::{Direction, SurfaceError};
 pub use matrix_patch::matrix_patch;

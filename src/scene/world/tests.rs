@@ -288,6 +288,19 @@ fn numbers_that_are_no_surface() {
 }
 
 #[test]
+fn objects_made_in_code_have_names() {
+    let shape = || Shape::Named(NamedShape::Sphere { radius: 1.0 }, Vec::new());
+    let unnamed = |count: usize| Object {
+        parts: (0..count).map(|_| shape().into()).collect(),
+        ..Object::default()
+    };
+    let scene = Scene { objects: vec![unnamed(1), unnamed(2)], ..Scene::default() };
+    let world = World::new(&scene).unwrap();
+    let names: Vec<_> = world.surfaces().iter().map(|surface| surface.name.as_str()).collect();
+    assert_eq!(names, ["object", "object 2/0", "object 2/1"]);
+}
+
+#[test]
 fn other_messages() {
     assert_eq!(
         message(&scene(vec![object(NamedShape::Torus { major: 1.0, minor: 2.0 })])),

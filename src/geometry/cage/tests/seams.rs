@@ -1,6 +1,7 @@
 //! Limit surfaces as a whole: without gaps, evaluated by unit squares, reversed and moved.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::{DAffine3, DVec2};
 
@@ -86,7 +87,9 @@ fn every_side_that_is_no_border_meets_others_to_rounding_all_along() {
 fn surfaces_are_their_charts() {
     let map = DAffine3::from_rotation_x(0.7) * DAffine3::from_scale(DVec3::new(2.0, -1.0, 0.5));
     for (name, cage, limit) in limits(1e-3) {
-        let plain = Surface::from(limit);
+        let limit = Arc::new(limit);
+        let plain = Surface::from(limit.clone());
+        assert_eq!(Arc::strong_count(&limit), 2, "patches are shared");
         let units: usize = (0..cage.face_count())
             .map(|face| cage.face(face).map_or(0, |f| if f.len() == 4 { 1 } else { f.len() }))
             .sum();
