@@ -3,6 +3,7 @@
 
 use glam::DVec3;
 
+use super::DrawError;
 use crate::geometry::construct::{
     Component, ConstructError, ControlNet, Drawing, NetStyle, Tightest, TubeStyle,
 };
@@ -34,27 +35,23 @@ impl Drawn {
 
     /// Adds a tube along a line, which errors call `line`. If the tube folds, other lines may be
     /// bent more, so that error is reported at the end.
-    fn tube(
-        &mut self,
-        curve: &NurbsCurve,
-        line: impl FnOnce() -> String,
-    ) -> Result<(), ConstructError> {
+    fn tube(&mut self, curve: &NurbsCurve, line: impl FnOnce() -> String) -> Result<(), DrawError> {
         let made = self.drawing.tube(curve);
         let told = made.map_err(|error| in_line(line(), error));
         self.tightest.sift(told)?;
         self.check(self.drawing.point_count())
     }
 
-    fn check(&self, points: usize) -> Result<(), ConstructError> {
+    fn check(&self, points: usize) -> Result<(), DrawError> {
         if points > self.most_points {
-            return Err(ConstructError::LargeDrawing { limit: self.most_points });
+            return Err(DrawError::LargeDrawing { limit: self.most_points });
         }
         Ok(())
     }
 
-    fn pieces(self) -> Result<Vec<Component>, ConstructError> {
+    fn pieces(self) -> Result<Vec<Component>, DrawError> {
         self.tightest.check()?;
-        self.drawing.pieces()
+        Ok(self.drawing.pieces()?)
     }
 }
 
@@ -80,7 +77,7 @@ pub(super) fn control_nets(
     nets: &[ControlNet],
     style: &NetStyle,
     most_points: usize,
-) -> Result<Vec<Component>, ConstructError> {
+) -> Result<Vec<Component>, DrawError> {
     let points = nets.iter().flat_map(|net| net.points.iter().copied());
     let mut drawn = Drawn::among(points, style.lines(), most_points);
     for (index, net) in nets.iter().enumerate() {
@@ -98,18 +95,18 @@ pub(super) fn trim_curves(
     surfaces: &[Surface],
     style: &TubeStyle,
     most_points: usize,
-) -> Result<Vec<Component>, ConstructError> {
+) -> Result<Vec<Component>, DrawError> {
     let of_each = surfaces.iter().map(Surface::trimmed);
     let trimmed: Vec<_> =
         of_each.enumerate().filter_map(|(index, one)| Some((index, one?))).collect();
     if trimmed.is_empty() {
-        return Err(ConstructError::NoTrims);
+        return Err(DrawError::NoTrims);
     }
     let mut drawn = Drawn::of_surfaces(surfaces, *style, most_points);
     for (index, surface) in trimmed {
         // Edges are lifted onto the surface's Bézier pieces, all of which are made for that.
         drawn.check(surface.surface().bezier_point_count())?;
-        let edges = surface.edge_curves().map_err(ConstructError::TrimEdge)?;
+        let edges = surface.edge_curves().map_err(DrawError::TrimEdge)?;
         for (number, edge) in edges.iter().enumerate() {
             drawn
                 .tube(edge, || on_surface(index, surfaces.len(), &format!("trim edge {number}")))?;
@@ -135,9 +132,9 @@ pub(super) fn iso_curves(
     lines: &[IsoLine],
     style: &TubeStyle,
     most_points: usize,
-) -> Result<Vec<Component>, ConstructError> {
+) -> Result<Vec<Component>, DrawError> {
     if lines.is_empty() {
-        return Err(ConstructError::NoIsoLines);
+        return Err(DrawError::NoIsoLines);
     }
     let mut drawn = Drawn::of_surfaces(surfaces, *style, most_points);
     // What has been found of each line so far.
@@ -157,8 +154,8 @@ pub(super) fn iso_curves(
     }
     for (&(parameter, t), found) in lines.iter().zip(found) {
         match found {
-            Found::Nothing => return Err(ConstructError::IsoCut { parameter, t }),
-            Found::Point => return Err(ConstructError::IsoPoint { parameter, t }),
+            Found::Nothing => return Err(DrawError::IsoCut { parameter, t }),
+            Found::Point => return Err(DrawError::IsoPoint { parameter, t }),
             Found::Curve => {}
         }
     }
@@ -166,11 +163,7 @@ pub(super) fn iso_curves(
 }
 
 /// The parts of one line of constant parameter that are kept on a surface.
-fn iso_curve(
-    surface: &Surface,
-    fixed: TriangleSide,
-    t: f64,
-) -> Result<Vec<NurbsCurve>, ConstructError> {
+fn iso_curve(surface: &Surface, fixed: TriangleSide, t: f64) -> Result<Vec<NurbsCurve>, DrawError> {
     let direction = match fixed {
         TriangleSide::U => Some(Direction::U),
         TriangleSide::V => Some(Direction::V),
@@ -179,15 +172,15 @@ fn iso_curve(
     let curves = match (surface, direction) {
         (Surface::Triangle(patch), _) => {
             let curve = patch.curve_at(fixed, t).map(|curve| vec![curve]);
-            return curve.ok_or(ConstructError::IsoOff { parameter: fixed, t, end: 1 });
+            return curve.ok_or(DrawError::IsoOff { parameter: fixed, t, end: 1 });
         }
         (Surface::Limit(surface), Some(direction)) => return limit_curves(surface, direction, t),
         (Surface::Nurbs(surface), Some(Direction::U)) => surface.curve_at_u(t).map(|c| vec![c]),
         (Surface::Nurbs(surface), Some(Direction::V)) => surface.curve_at_v(t).map(|c| vec![c]),
         (Surface::Trimmed(surface), Some(direction)) => surface.kept_curves(direction, t),
-        (_, None) => return Err(ConstructError::NoW { kind: surface.kind() }),
+        (_, None) => return Err(DrawError::NoW { kind: surface.kind() }),
     };
-    curves.map_err(ConstructError::Iso)
+    curves.map_err(DrawError::Iso)
 }
 
 /// A line of constant parameter of a subdivision surface: of constant `u` in one of its unit
@@ -196,14 +189,14 @@ fn limit_curves(
     surface: &LimitSurface,
     direction: Direction,
     t: f64,
-) -> Result<Vec<NurbsCurve>, ConstructError> {
+) -> Result<Vec<NurbsCurve>, DrawError> {
     let (parameter, end) = match direction {
         Direction::U => (TriangleSide::U, surface.unit_count()),
         Direction::V => (TriangleSide::V, 1),
     };
     let within = (0.0..=end as f64).contains(&t); // false for NaN
     if !within {
-        return Err(ConstructError::IsoOff { parameter, t, end });
+        return Err(DrawError::IsoOff { parameter, t, end });
     }
     Ok(match direction {
         Direction::U => {

@@ -6,8 +6,8 @@ use thiserror::Error;
 
 use super::place::with_place;
 use super::{
-    CameraError, ImportNote, LightError, LoopSense, PictureError, Place, PlotError, TransformError,
-    UnknownName,
+    CameraError, DrawError, ImportNote, LightError, LoopSense, PictureError, Place, PlotError,
+    TransformError, UnknownName,
 };
 use crate::geometry::construct::ConstructError;
 use crate::geometry::shapes::ShapeError;
@@ -83,6 +83,14 @@ pub enum SceneFault {
         surface: String,
         /// Which curve or number is at fault.
         error: ConstructError,
+    },
+    /// A part of another object that cannot be drawn.
+    #[error("surface \"{surface}\": {error}")]
+    Drawing {
+        /// The name of the surface that would be the drawing.
+        surface: String,
+        /// Which number is at fault, or what there is not to draw.
+        error: DrawError,
     },
     /// A shape that cannot be made.
     #[error("surface \"{surface}\": {error}")]

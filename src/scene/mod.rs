@@ -36,6 +36,7 @@ mod camera;
 mod construction;
 mod curve;
 mod document;
+mod draw_error;
 mod drawn;
 #[cfg(test)]
 mod drawn_tests;
@@ -73,6 +74,7 @@ pub use camera::{Camera, CameraError, Projection, View};
 pub use construction::Construction;
 pub use curve::{BSplineEnds, CurveKind, CurveSpec};
 pub use document::{CameraSpec, Lens, Object, Part, Scene, Shape};
+pub use draw_error::DrawError;
 pub use error::{SceneError, SceneFault, TrimCurveFault};
 pub use import_note::ImportNote;
 pub use light::{Light, LightError, Rgb};

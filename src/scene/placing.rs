@@ -5,8 +5,8 @@ use glam::DAffine3;
 use super::made::Made;
 use super::transform::placed;
 use super::workshop::{Others, Workshop};
-use super::{Object, Part, Scene, SceneError, SceneFault, Shape, TrimSpec, Written};
-use crate::geometry::construct::{ConstructError, ControlNet};
+use super::{DrawError, Object, Part, Scene, SceneError, SceneFault, Shape, TrimSpec, Written};
+use crate::geometry::construct::ControlNet;
 use crate::geometry::shapes::ShapeError;
 use crate::geometry::{Surface, stretch};
 
@@ -155,7 +155,7 @@ impl Others for Placer<'_> {
         drawn: &str,
         of: &Written<String>,
         steps: usize,
-        blamed: &dyn Fn(ConstructError) -> SceneError,
+        blamed: &dyn Fn(DrawError) -> SceneError,
     ) -> Result<Vec<ControlNet>, SceneError> {
         let object = self.drawn_object(drawn, of)?;
         let world_from_object = affine(&of.value, object)?;
@@ -167,7 +167,7 @@ impl Others for Placer<'_> {
                 continue;
             }
             if steps > 0 {
-                return Err(blamed(ConstructError::NoSteps));
+                return Err(blamed(DrawError::NoSteps));
             }
             let made = self.place(&of.value, part, (object, &world_from_object))?;
             nets.extend(made.iter().map(|made| made.surface.control_net()));

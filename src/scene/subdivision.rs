@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::{Place, Written};
-use crate::geometry::construct::{ConstructError, NetStyle};
+use super::{DrawError, Place, Written};
+use crate::geometry::construct::NetStyle;
 use crate::geometry::{Cage, LimitError, LimitSurface};
 
 /// A subdivision surface: a cage, the scheme that smooths it, and the tolerance.
@@ -47,15 +47,15 @@ impl Subdivision {
     /// # Errors
     /// When there are more steps than any cage that grows can take, or a cage on the way has more
     /// vertices than can be drawn: after the first few, each step makes about four times as many.
-    pub(super) fn cage_after(&self, steps: usize) -> Result<Cow<'_, Cage>, ConstructError> {
+    pub(super) fn cage_after(&self, steps: usize) -> Result<Cow<'_, Cage>, DrawError> {
         if steps > MOST_STEPS {
-            return Err(ConstructError::Steps { steps, most: MOST_STEPS });
+            return Err(DrawError::Steps { steps, most: MOST_STEPS });
         }
         let mut cage = Cow::Borrowed(&*self.cage);
         for after in 0..steps {
             let (count, limit) = (cage.positions().len(), NetStyle::MAX_POINTS);
             if count > limit {
-                return Err(ConstructError::LargeCage { after, steps, count, limit });
+                return Err(DrawError::LargeCage { after, steps, count, limit });
             }
             cage = Cow::Owned(match self.scheme {
                 Scheme::CatmullClark => cage.refined_catmull_clark(),

@@ -5,11 +5,11 @@ use std::collections::HashMap;
 use super::curve::CurveFault;
 use super::drawn::{control_nets, iso_curves, iso_lines, trim_curves};
 use super::made::Made;
-use super::{Construction, CurveSpec, Place, SceneError, SceneFault, Written};
+use super::{Construction, CurveSpec, DrawError, Place, SceneError, SceneFault, Written};
 use crate::geometry::construct::{
     self, Axis, Borders, Component, ComponentKind, ConstructError, ControlNet, DirectionOf, Sweep,
 };
-use crate::geometry::{CurveError, Direction, NurbsCurve, Surface, SurfaceError, TriangleSide};
+use crate::geometry::{CurveError, NurbsCurve, Surface};
 
 /// Makes the surfaces of one part, and knows its name and its place for errors.
 pub(super) struct Workshop<'a> {
@@ -36,7 +36,7 @@ pub(super) trait Others {
         drawn: &str,
         of: &Written<String>,
         steps: usize,
-        blamed: &dyn Fn(ConstructError) -> SceneError,
+        blamed: &dyn Fn(DrawError) -> SceneError,
     ) -> Result<Vec<ControlNet>, SceneError>;
 }
 
@@ -52,6 +52,11 @@ impl Workshop<'_> {
                 let place = curve.map(|(_, curve)| &curve.place);
                 let place = place.or_else(|| number().map(|number| &number.place));
                 SceneError::new(place.unwrap_or(self.place).clone(), error.fault().clone())
+            }
+            SceneFault::Drawing { error: fault, .. } if error.place() == self.place => {
+                let number = self.written.iter().find(|one| Some(one.value) == fault.key());
+                let place = number.map_or(self.place, |number| &number.place);
+                SceneError::new(place.clone(), error.fault().clone())
             }
             _ => error,
         })
@@ -113,18 +118,18 @@ impl Workshop<'_> {
                 numbered(self.checked(construct::control_net(&net, style))?)
             }
             Construction::Net { of, steps, style } => {
-                let blamed = |error| self.blamed(error);
+                let blamed = |error| self.not_drawn(error);
                 let nets = self.others.nets_of(self.surface, of, *steps, &blamed)?;
-                numbered(self.checked(control_nets(&nets, style, most_points))?)
+                numbered(self.drawn(control_nets(&nets, style, most_points))?)
             }
             Construction::TrimCurves { of, style } => {
                 let surfaces = self.others.surfaces_of(self.surface, of)?;
-                numbered(self.checked(trim_curves(&surfaces, style, most_points))?)
+                numbered(self.drawn(trim_curves(&surfaces, style, most_points))?)
             }
             Construction::IsoCurves { of, u, v, w, style } => {
                 let surfaces = self.others.surfaces_of(self.surface, of)?;
                 let lines = iso_lines([u, v, w]);
-                numbered(self.checked(iso_curves(&surfaces, &lines, style, most_points))?)
+                numbered(self.drawn(iso_curves(&surfaces, &lines, style, most_points))?)
             }
         };
         Ok(pieces)
@@ -148,6 +153,19 @@ impl Workshop<'_> {
     /// Passes on what was made, or gives the error its place.
     fn checked<T>(&self, made: Result<T, ConstructError>) -> Result<T, SceneError> {
         made.map_err(|error| self.blamed(error))
+    }
+
+    /// Passes on what was drawn, or gives the error its place.
+    fn drawn<T>(&self, made: Result<T, DrawError>) -> Result<T, SceneError> {
+        made.map_err(|error| self.not_drawn(error))
+    }
+
+    fn not_drawn(&self, error: DrawError) -> SceneError {
+        let surface = self.surface.to_owned();
+        match error {
+            DrawError::Construct(error) => self.blamed(error),
+            error => SceneError::new(self.place.clone(), SceneFault::Drawing { surface, error }),
+        }
     }
 
     fn blamed(&self, error: ConstructError) -> SceneError {
@@ -177,21 +195,6 @@ fn key_of(error: &ConstructError) -> Option<&'static str> {
             error: CurveError::Radius { .. } | CurveError::RadiusRange { .. },
             ..
         } => "radius",
-        ConstructError::IsoOff { parameter, .. }
-        | ConstructError::IsoCut { parameter, .. }
-        | ConstructError::IsoPoint { parameter, .. } => match parameter {
-            TriangleSide::U => "u",
-            TriangleSide::V => "v",
-            TriangleSide::W => "w",
-        },
-        ConstructError::Iso(SurfaceError::Parameter { direction, .. }) => match direction {
-            Direction::U => "u",
-            Direction::V => "v",
-        },
-        ConstructError::NoW { .. } => "w",
-        ConstructError::NoSteps
-        | ConstructError::Steps { .. }
-        | ConstructError::LargeCage { .. } => "steps",
         _ => return None,
     })
 }

@@ -1,7 +1,7 @@
 //! Makes curves compatible: of the same degree, over the same knots.
 
 use super::ConstructError;
-use super::error::net_size;
+use super::net_size::net_size;
 use crate::geometry::polygon::{merged, refine};
 use crate::geometry::{CurveError, KnotError, KnotVector, NurbsCurve};
 

@@ -3,8 +3,8 @@
 use glam::{DVec4, Vec4Swizzles};
 
 use super::compatible::compatible;
-use super::error::net_size;
 use super::fold::check_fold;
+use super::net_size::net_size;
 use super::{ConstructError, CoonsCorner};
 use crate::geometry::{Direction, KnotVector, NurbsCurve, NurbsSurface};
 

@@ -5,7 +5,8 @@ use std::fmt;
 use glam::DVec3;
 use thiserror::Error;
 
-use crate::geometry::{CurveError, MAX_DEGREE, MAX_MAGNITUDE, SurfaceError, TriangleSide};
+use super::CoonsCorner;
+use crate::geometry::{CurveError, MAX_DEGREE, MAX_MAGNITUDE, SurfaceError};
 use crate::math::{AtLeast, Counted, Measured, MeasuredPoint, Shown, ShownVector};
 
 /// Why a surface cannot be made from curves: which element is at fault, what was found,
@@ -24,53 +25,6 @@ pub enum ConstructError {
     /// The resulting net is not a valid surface.
     #[error("the surface made: {0}")]
     Surface(#[from] SurfaceError),
-    /// The surface does not have the line of constant parameter.
-    #[error("{0}")]
-    Iso(SurfaceError),
-    /// A line of constant parameter lies off a surface.
-    #[error(
-        "the line {parameter} = {} is not on the surface, whose {parameter} is from 0 to {end}",
-        Shown(*.t)
-    )]
-    IsoOff {
-        /// Which parameter is constant.
-        parameter: TriangleSide,
-        /// Its value.
-        t: f64,
-        /// The largest value of the parameter.
-        end: usize,
-    },
-    /// There is no line of constant parameter to draw.
-    #[error("no lines are named: give u, v or, of triangular patches, w a list of parameters")]
-    NoIsoLines,
-    /// A surface that has no third parameter.
-    #[error("{kind} has no lines of constant w: triangular patches have")]
-    NoW {
-        /// Its kind.
-        kind: &'static str,
-    },
-    /// An object without trim edges.
-    #[error("there are no trim edges to draw: no surface of that object is trimmed")]
-    NoTrims,
-    /// A trim edge is not a curve that can be drawn.
-    #[error("a trim edge in space: {0}")]
-    TrimEdge(CurveError),
-    /// A line of constant parameter lies where trims keep nothing.
-    #[error("the line {parameter} = {} lies where trims keep nothing, or where the surface has ended", Shown(*.t))]
-    IsoCut {
-        /// Which parameter is constant.
-        parameter: TriangleSide,
-        /// Its value.
-        t: f64,
-    },
-    /// A line of constant parameter is only a point, as at a pole.
-    #[error("the line {parameter} = {} is a single point, where there is nothing to draw", Shown(*.t))]
-    IsoPoint {
-        /// Which parameter is constant.
-        parameter: TriangleSide,
-        /// Its value.
-        t: f64,
-    },
     /// The surface would have more control points than are sensible; nothing was allocated.
     #[error("{nu} × {nv} control points: at most {limit} in all are supported")]
     TooLarge {
@@ -89,29 +43,6 @@ pub enum ConstructError {
         /// How many it may have.
         limit: usize,
     },
-    /// There are more steps of subdivision than are useful.
-    #[error("{steps} steps: a cage is drawn after up to {most}")]
-    Steps {
-        /// How many are requested.
-        steps: usize,
-        /// How many there can be.
-        most: usize,
-    },
-    /// A cage has more vertices than can be drawn before all steps are done.
-    #[error("{count} vertices after {after} of {steps} steps: nets of up to {limit} can be drawn")]
-    LargeCage {
-        /// The number of steps done.
-        after: usize,
-        /// The number of steps requested.
-        steps: usize,
-        /// How many vertices it has by then.
-        count: usize,
-        /// How many it may have.
-        limit: usize,
-    },
-    /// Steps of subdivision are requested for an object that is not subdivided.
-    #[error("steps are those of subdivision, and the object is not only subdivision surfaces")]
-    NoSteps,
     /// A line of a net ends at a vertex that the net does not have.
     #[error(
         "line {line} ends at vertex {vertex}, but the net has {}; lines and vertices count from 0",
@@ -135,12 +66,6 @@ pub enum ConstructError {
         index: usize,
         /// The point, as given.
         point: DVec3,
-    },
-    /// What is drawn of an object has more control points than are sensible.
-    #[error("a drawing of more than {limit} control points: at most that many are supported")]
-    LargeDrawing {
-        /// How many there may be.
-        limit: usize,
     },
     /// A direction has no length, or is not finite.
     #[error("{what} {}: it must be finite and not zero", ShownVector(*.vector))]
@@ -495,20 +420,6 @@ pub enum ConstructError {
     },
 }
 
-/// A corner of a Coons patch: which ends of `u` and `v`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CoonsCorner {
-    pub(super) u: u8,
-    pub(super) v: u8,
-}
-
-impl fmt::Display for CoonsCorner {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { u, v } = self;
-        write!(f, "the corner of borders u{u} and v{v}")
-    }
-}
-
 /// What a vector is the direction of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DirectionOf {
@@ -585,19 +496,4 @@ impl ConstructError {
 /// `control point 2, ` or `t = 0.5, `, before the point.
 fn corner_or_parameter(corner: Option<usize>, t: f64) -> String {
     corner.map_or_else(|| format!("t = {}, ", Measured(t)), |k| format!("control point {k}, "))
-}
-
-/// The most control points of one constructed surface: 2²⁴, half a gigabyte. The numbers of points
-/// of two curves multiply.
-const MAX_NET: usize = 1 << 24;
-
-/// The number of control points of a net, if it is not too large.
-pub(crate) fn net_size(nu: usize, nv: usize) -> Result<usize, ConstructError> {
-    check_net(nu, nv, MAX_NET)
-}
-
-/// The product of two counts, if it is no more than a limit.
-pub(crate) fn check_net(nu: usize, nv: usize, limit: usize) -> Result<usize, ConstructError> {
-    let size = nu.checked_mul(nv).filter(|&points| points <= limit);
-    size.ok_or(ConstructError::TooLarge { nu, nv, limit })
 }

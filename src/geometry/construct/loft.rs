@@ -4,9 +4,9 @@ use glam::{DVec4, Vec4Swizzles};
 
 use super::ConstructError;
 use super::compatible::{compatible, same_weights};
-use super::error::net_size;
 use super::fold::check_fold;
 use super::interpolate::Interpolation;
+use super::net_size::net_size;
 use crate::geometry::curve::SAME_PLACE;
 use crate::geometry::{MAX_DEGREE, NurbsCurve, NurbsSurface, SurfaceError};
 

@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::ConstructError;
-use super::error::net_size;
 use super::frames::{Frame, PieceFrames};
+use super::net_size::net_size;
 use super::path::{SAME_DIRECTION, angle};
 use super::sweep_options::{FOLD_SAMPLES, Sweep, SweepOptions};
 use crate::geometry::{KnotVector, NurbsCurve, NurbsSurface, bernstein};

@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::axis_points::cut_at_axis;
-use super::error::net_size;
 use super::fold::check_turned;
+use super::net_size::net_size;
 use super::{Axis, ConstructError};
 use crate::geometry::shapes::{Turned, UnitArc, turned_net};
 use crate::geometry::{NurbsCurve, NurbsSurface};

@@ -3,8 +3,8 @@
 use glam::{DVec3, DVec4};
 
 use super::compatible::{compatible, same_weights};
-use super::error::net_size;
 use super::fold::{check_fold, check_moved};
+use super::net_size::net_size;
 use super::{ConstructError, DirectionOf};
 use crate::geometry::curve::SAME_PLACE;
 use crate::geometry::knots::unit_knots;

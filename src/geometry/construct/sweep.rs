@@ -3,10 +3,10 @@
 use glam::{DVec3, DVec4};
 
 use super::compatible::compatible;
-use super::error::net_size;
 use super::fold::{check_fold, check_moved};
 use super::frames::Frame;
 use super::moving::{MovingFrames, approximate};
+use super::net_size::net_size;
 use super::path::{OnCircle, is_straight, kinks};
 use super::stops::without_stops;
 use super::sweep_options::FOLD_SAMPLES;
