@@ -121,6 +121,7 @@ impl<'a> BorderCurve<'a> {
     }
 
     fn sampled(source: Source<'a>, domain: (f64, f64)) -> Self {
+        // An edge of many corners is sampled in as many parts, each by its own knots only.
         let spans: Vec<[f64; 2]> = source
             .knots()
             .spans_between(domain.0, domain.1)
