@@ -91,8 +91,8 @@ impl SeamSides {
         let Some(line) = self.lines[axis].get(index) else { return Alike::default() };
         let other = &line.covered[usize::from(!segment.is_forward())];
 
-        let period = self.domain.bounds().size()[along];
-        let tolerance = (SEAM_TOLERANCE * period).min(NEAR_SEAM * size[along]);
+        let length = self.domain.bounds().size()[along];
+        let tolerance = (SEAM_TOLERANCE * length).min(NEAR_SEAM * size[along]);
         let [low, high] = segment.ends().map(|end| end[along]);
         let first = other.partition_point(|range| range[1] < low - tolerance);
         let near = other[first..].iter().take_while(|range| range[0] <= high + tolerance);
