@@ -246,8 +246,8 @@ fn what_cannot_be_plotted_is_told_with_its_place() {
         ),
         (
             "{ curves = [{ curve = { bezier = [[0, 0], [1e308, 0], [-1e308, 1]] } }] }",
-            "3:8",
-            "plot \"A\": it has no finite extent that could be drawn",
+            "3:30",
+            "plot \"A\": curve 0: control point 1 is (1e308, 0, 0): coordinates must be finite (up to 1e70)",
         ),
         (
             "{ curvature = { curve = { bezier = [[1, 2], [1, 2]] } } }",
