@@ -72,7 +72,7 @@ struct Crossing {
     is_certain: bool,
     /// Whether any of them is at a trim curve.
     at_trims: bool,
-    /// Whether all of them are beyond a side.
+    /// Whether all of them that are certain are beyond a side.
     is_beyond: bool,
     /// Whether it may be more than one crossing, or a part of another: a view is doubtful and
     /// grazing, or at the place of another crossing's.
@@ -87,7 +87,7 @@ impl Crossing {
             flags: meeting.flags.without(HitFlags::DOUBTFUL),
             is_certain: meeting.is_certain(),
             at_trims: meeting.at_trims,
-            is_beyond: meeting.beyond,
+            is_beyond: meeting.beyond || !meeting.is_certain(),
             is_open: touches(meeting),
         }
     }
@@ -106,7 +106,7 @@ impl Crossing {
         self.flags = self.flags.with(meeting.flags.without(HitFlags::DOUBTFUL));
         self.is_certain |= meeting.is_certain();
         self.at_trims |= meeting.at_trims;
-        self.is_beyond &= meeting.beyond;
+        self.is_beyond &= meeting.beyond || !meeting.is_certain();
         self.is_open |= touches(meeting);
     }
 

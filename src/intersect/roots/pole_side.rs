@@ -9,7 +9,8 @@ use crate::math::RayFrame;
 impl Spot<'_> {
     /// Whether a ray that meets the piece at a pole, within rounding, is not known to meet it beside
     /// the pole: as seen along the ray, it passes outside the sector that the piece covers there, or
-    /// nearer than `margin` to one of the two ends of the sector.
+    /// nearer than `margin` to an end of the sector at which the surface has a border. Where it goes
+    /// on in another piece, either may be said to be met.
     ///
     /// Where the directions away from the pole do not tell what sector they cover, it is not said to
     /// be outside.
@@ -19,25 +20,27 @@ impl Spot<'_> {
         let mut poles = piece.collapsed_sides().filter(|(side, _)| at(&side.number()));
         poles.any(|(side, pole)| {
             let passes = -ray.coordinates(pole).truncate();
+            let ends = [0, 1].map(|end| piece.is_border(2 * (1 - side.parameter()) + end));
+            let margins = ends.map(|is_border| if is_border { margin } else { -margin });
             let away = piece.away_from_pole(side, pole);
             let away: Vec<DVec2> = away.into_iter().map(|way| ray.across(way)).collect();
-            is_outside(&away, passes, margin)
+            is_outside(&away, passes, margins)
         })
     }
 }
 
 /// Whether a place in the plane is outside the sector that a Bézier curve of directions sweeps about
-/// the origin, or within `margin` of its ends. The sector is that of the control polygon, if this
+/// the origin, or within these margins of its ends, of which negative ones widen it. The sector is that of the control polygon, if this
 /// always turns the same way, by less than half a turn from one of its points to the next.
-fn is_outside(away: &[DVec2], place: DVec2, margin: f64) -> bool {
+fn is_outside(away: &[DVec2], place: DVec2, margins: [f64; 2]) -> bool {
     let turns = || away.windows(2).map(|pair| pair[0].perp_dot(pair[1]));
     let sign = turns().sum::<f64>().signum();
     let is_known = turns().all(|turn| turn * sign > 0.0); // false for NaN
     let last = away.len().saturating_sub(2);
     let holds = |(k, pair): (usize, &[DVec2])| {
-        let [from, to] = [(k == 0, pair[0]), (k == last, pair[1])]
-            .map(|(is_end, way)| (if is_end { margin * way.length() } else { 0.0 }, sign * way));
-        from.1.perp_dot(place) >= from.0 && place.perp_dot(to.1) >= to.0
+        let from = if k == 0 { margins[0] * pair[0].length() } else { 0.0 };
+        let to = if k == last { margins[1] * pair[1].length() } else { 0.0 };
+        sign * pair[0].perp_dot(place) >= from && sign * place.perp_dot(pair[1]) >= to
     };
     is_known && !away.windows(2).enumerate().any(holds)
 }
@@ -93,14 +96,14 @@ mod tests {
             (&[1.5, 0.7, 0.0], &[0.1, 0.8, 1.4], &[-0.1, 1.6, 3.0]),
         ] {
             let away = ways(angles);
-            let outside_at = |angle: f64| is_outside(&away, DVec2::from_angle(angle), 0.01);
+            let outside_at = |angle: f64| is_outside(&away, DVec2::from_angle(angle), [0.01; 2]);
             assert!(inside.iter().all(|&angle| !outside_at(angle)), "{angles:?}");
             assert!(outside.iter().all(|&angle| outside_at(angle)), "{angles:?}");
             // Within the margin of an end.
-            assert!(outside_at(angles[0]) && !is_outside(&away, DVec2::from_angle(0.7), 0.0));
+            assert!(outside_at(angles[0]) && !is_outside(&away, DVec2::from_angle(0.7), [0.0; 2]));
         }
         // Nothing is known of directions on one line, or that turn back.
-        assert!(!is_outside(&ways(&[0.0, 0.0]), DVec2::Y, 0.0));
-        assert!(!is_outside(&ways(&[0.0, 1.0, 0.5]), DVec2::NEG_Y, 0.0));
+        assert!(!is_outside(&ways(&[0.0, 0.0]), DVec2::Y, [0.0; 2]));
+        assert!(!is_outside(&ways(&[0.0, 1.0, 0.5]), DVec2::NEG_Y, [0.0; 2]));
     }
 }
