@@ -12,12 +12,12 @@
 //! | scene for POV-Ray | | [`povray_scene`] |
 //! | picture for a screen, PNG | | [`write_png`], [`write_png_bytes`] |
 //!
-//! Errors begin with the place: `scenes/teapot.toml:41:7: surface "lid", direction u: 10 knots,
-//! but 7 points of degree 3 need 11`. A file is written under another name and moved into place
-//! when complete ([`write_atomically`]), so a failure leaves the older file as it was. Files that
-//! belong together are moved when all of them are complete ([`stage`], [`put_all_in_place`]). Pictures that
-//! are to be no files, [`write_png_to`], [`write_png_bytes_to`] and [`write_exr_to`] give to any
-//! writer.
+//! Errors begin with the place: `scenes/teapot.toml:41:7: surface "lid", direction u: 10 knots, but
+//! 7 points of degree 3 need 11`. A file is written under another name and moved into place when
+//! complete ([`write_atomically`]), so a failure leaves the older file as it was. Files that belong
+//! together are moved when all of them are complete ([`stage`], [`put_all_in_place`]). Pictures
+//! that are to be no files, [`write_png_to`], [`write_png_bytes_to`] and [`write_exr_to`] give to
+//! any writer.
 //!
 //! From a file of surfaces to their hierarchy, without a picture in mind:
 //!

@@ -272,8 +272,9 @@ impl Piece {
         }
     }
 
-    /// The unit normal from the pole of a collapsed side that is near, and the angle, in radians, by
-    /// which rounding may have turned it, from the pole that tells most; `None` if there is none.
+    /// The unit normal from the pole of a collapsed side that is near, and the angle, in radians,
+    /// by which rounding may have turned it, from the pole that tells most; `None` if there is
+    /// none.
     fn normal_by_pole(&self, st: DVec2) -> Option<(DVec3, f64)> {
         let parameters = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
         self.collapsed_sides()
@@ -340,8 +341,8 @@ impl Piece {
     /// The directions that lead away from the pole at a collapsed side, along that side.
     ///
     /// Where `t` is zero on the side, the surface minus the pole is `t q Σ Bᵢ(s) wᵢ (Pᵢ − P) / W`
-    /// except for higher powers of `t`, with the control points `Pᵢ` of the next row: the directions
-    /// are those of a Bézier curve, whose control points these are.
+    /// except for higher powers of `t`, with the control points `Pᵢ` of the next row: the
+    /// directions are those of a Bézier curve, whose control points these are.
     pub(crate) fn away_from_pole(&self, side: CollapsedSide, pole: DVec3) -> Vec<DVec3> {
         let (fixed, degree) = (side.parameter(), self.patch.degree());
         let row = if side.end() == 0 { 1 } else { degree[fixed] - 1 };

@@ -92,7 +92,8 @@ pub enum DrawError {
 }
 
 impl DrawError {
-    /// The key of the number that is at fault, if that has a key; none for [`DrawError::Construct`].
+    /// The key of the number that is at fault, if that has a key; none for
+    /// [`DrawError::Construct`].
     pub(super) fn key(&self) -> Option<&'static str> {
         let parameter = match self {
             Self::IsoOff { parameter, .. }

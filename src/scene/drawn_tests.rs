@@ -175,8 +175,8 @@ fn nets_that_cannot_be_drawn_are_named() {
     assert_eq!(message(&[bad]), told);
 }
 
-/// The lowest and highest places of a hole are met at a joint of its circle and, a tiny way off, at a knot of the
-/// surface: the piece between the two is neither a bend nor a corner.
+/// The lowest and highest places of a hole are met at a joint of its circle and, a tiny way off, at
+/// a knot of the surface: the piece between the two is neither a bend nor a corner.
 #[test]
 fn a_trim_edge_has_a_joint_beside_a_knot() {
     for aside in [1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-6] {

@@ -40,9 +40,13 @@ impl<'f> Modules<'f> {
     /// What modules of any one folder use of each other, where that leads in a circle. What a
     /// folder's own file holds does not count: it may use the modules below it, and they what it
     /// holds.
+    ///
+    /// # Panics
+    /// If no module uses another: then the code is not understood.
     pub(crate) fn circles(&self) -> Vec<String> {
         let folders: BTreeSet<&[String]> =
             self.files.keys().filter_map(|module| Some(module.split_last()?.1)).collect();
+        assert!(folders.iter().any(|folder| !self.uses(folder).is_empty()), "no uses are found");
         folders.into_iter().flat_map(|folder| self.circles_of(folder)).collect()
     }
 

@@ -93,8 +93,8 @@ rtcIntersect1 (rtcOccluded1) for single rays; else the fastest of 1, 8 and 16.
 Triangles and rays are moved to the middle of the bounding box and scaled by a
 power of two to a size between 1 and 2, which suits Embree's constants best.
 tnear is 0. Rays that leave a surface begin twice the tolerance above it, along
-its normal, for Embree. (nurbray needs no offset.) A ray differs in t if the rival's hit is farther from the tangent
-plane of ours than the tolerance.
+its normal, for Embree. (nurbray needs no offset.) A ray differs in t if the
+rival's hit is farther from the tangent plane of ours than the tolerance.
 
 With --json one object a line, for each model, ray set, kernel and tolerance:
   model, rays (the set), count, kernel, threads, mrays_per_s, spread, hits,

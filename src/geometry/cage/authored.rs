@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::error::{CageError, Feature};
 use super::mesh::Mesh;
 use super::topology::{EdgeFault, Topology};
-use crate::geometry::MAX_MAGNITUDE;
 use crate::geometry::construct::ControlNet;
+use crate::geometry::magnitude::is_usable;
 use crate::math::Aabb;
 
 /// A cage as its author wrote it: plain data that [`Cage::new`] checks.
@@ -58,7 +58,7 @@ pub enum BoundaryRule {
 ///
 /// # Invariants, checked once on construction and relied on everywhere else
 /// - there is a face; faces have 3 or more corners at different vertices;
-/// - coordinates are finite and at most [`MAX_MAGNITUDE`];
+/// - coordinates are finite and at most [`MAX_MAGNITUDE`](crate::geometry::MAX_MAGNITUDE);
 /// - no two faces have the same vertices;
 /// - an edge belongs to one face (a boundary) or to two that run along it in opposite directions;
 /// - the faces around a vertex are one fan, open or closed; each vertex has a face;
@@ -197,7 +197,7 @@ fn check_sizes(parts: &CageParts) -> Result<(), CageError> {
     if corners > MAX_CORNERS {
         return Err(CageError::TooLarge { corners, limit: MAX_CORNERS });
     }
-    let usable = |p: &DVec3| p.abs().cmple(DVec3::splat(MAX_MAGNITUDE)).all();
+    let usable = |p: &DVec3| is_usable(*p);
     match parts.positions.iter().position(|position| !usable(position)) {
         Some(vertex) => Err(CageError::Position { vertex, position: parts.positions[vertex] }),
         None => Ok(()),

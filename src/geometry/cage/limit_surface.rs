@@ -5,9 +5,9 @@ use glam::{DAffine3, DVec3};
 use super::{CageError, LimitError};
 use crate::geometry::affine::stretch;
 use crate::geometry::construct::ControlNet;
-use crate::geometry::magnitude::{Extent, extent};
+use crate::geometry::magnitude::{Extent, extent, is_usable};
 use crate::geometry::surface::check_invertible;
-use crate::geometry::{KnotVector, MAX_MAGNITUDE, NurbsSurface, SurfaceError};
+use crate::geometry::{KnotVector, NurbsSurface, SurfaceError};
 
 /// The limit surface of a cage as polynomial Bézier patches, bicubic for Catmull–Clark, biquadratic
 /// for Doo–Sabin. Most patches are exact; those near extraordinary points, and where creases meet,
@@ -249,7 +249,7 @@ impl LimitSurface {
         };
         let net = ControlNet { points: moved(&self.net.points), lines: self.net.lines.clone() };
         let control = moved(&self.control);
-        let usable = |p: &DVec3| p.abs().cmple(DVec3::splat(MAX_MAGNITUDE)).all(); // NaN is not
+        let usable = |p: &DVec3| is_usable(*p);
         if let Some(vertex) = net.points.iter().position(|point| !usable(point)) {
             let position = net.points[vertex];
             return Err(LimitError::Cage(CageError::Position { vertex, position }));

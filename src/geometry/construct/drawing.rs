@@ -14,7 +14,8 @@ use super::tube_parts::{Parts, ball, cap, cylinder, parts, round_part};
 use super::{
     Caps, Component, ComponentKind, ConstructError, ControlNet, NetStyle, Tightest, TubeStyle,
 };
-use crate::geometry::{MAX_MAGNITUDE, NurbsCurve};
+use crate::geometry::NurbsCurve;
+use crate::geometry::magnitude::is_usable;
 
 /// Tubes, lines and balls that are drawn together.
 ///
@@ -136,7 +137,7 @@ impl Drawing {
         if count > NetStyle::MAX_POINTS {
             return Err(ConstructError::LargeNet { count, limit: NetStyle::MAX_POINTS });
         }
-        let usable = |point: &DVec3| point.abs().max_element() <= MAX_MAGNITUDE && !point.is_nan();
+        let usable = |point: &DVec3| is_usable(*point);
         if let Some(index) = net.points.iter().position(|point| !usable(point)) {
             return Err(ConstructError::NetPoint { index, point: net.points[index] });
         }

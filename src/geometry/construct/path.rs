@@ -11,9 +11,9 @@ use crate::math::unit;
 /// effect of rounding on the tangents of usual curves, and too little to see.
 pub(crate) const SAME_DIRECTION: f64 = 1e-9;
 
-/// Where the direction of a path jumps by less than this angle, in radians, the path is smooth: 0.02
-/// seconds of arc. Two knots that differ by h instead of being one make the direction turn by about
-/// h times the jump in curvature, and cannot be told from one where h is below 1e-8 or so.
+/// Where the direction of a path jumps by less than this angle, in radians, the path is smooth:
+/// 0.02 seconds of arc. Two knots that differ by h instead of being one make the direction turn by
+/// about h times the jump in curvature, and cannot be told from one where h is below 1e-8 or so.
 pub(crate) const SMOOTH: f64 = 1e-7;
 
 /// The direction of a clamped curve at `t`. Where the curve stands still at an end, for example at

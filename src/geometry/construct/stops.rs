@@ -8,8 +8,7 @@ use glam::Vec4Swizzles;
 
 use super::ConstructError;
 use super::slivers::{Part, without_slivers};
-use crate::geometry::curve::SAME_PLACE;
-use crate::geometry::curve::add_extremes;
+use crate::geometry::curve::{SAME_PLACE, add_extremes};
 use crate::geometry::{KnotVector, NurbsCurve};
 use crate::math::bernstein::restrict;
 

@@ -32,8 +32,8 @@ pub enum CurveError {
         /// The number of control points.
         points: usize,
     },
-    /// A coordinate of a control point is NaN, infinite, or beyond [`MAX_MAGNITUDE`], or its product
-    /// with the point's weight is infinite.
+    /// A coordinate of a control point is NaN, infinite, or beyond [`MAX_MAGNITUDE`], or its
+    /// product with the point's weight is infinite.
     #[error(
         "control point {index} is {}: coordinates must be finite (up to {MAX_MAGNITUDE:e})",
         ShownVector(*.point)

@@ -14,8 +14,8 @@ use crate::geometry::{KnotError, KnotVector};
 ///
 /// # Invariants, checked once on construction
 /// - there are as many control points as the knots ask for;
-/// - no coordinate is larger than [`MAX_MAGNITUDE`](crate::geometry::MAX_MAGNITUDE), all weights are
-///   positive, finite and not subnormal.
+/// - no coordinate is larger than [`MAX_MAGNITUDE`](crate::geometry::MAX_MAGNITUDE), all weights
+///   are positive, finite and not subnormal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NurbsCurve {
     knots: KnotVector,

@@ -5,8 +5,8 @@ use super::SurfaceDerivatives;
 /// How much a surface bends at a point, in one over length.
 ///
 /// Positive where it bends towards its normal `Sᵤ × Sᵥ`, negative where it bends away: a ball whose
-/// normals point outwards has twice the curvature `−1 / r`. Reversing a
-/// surface changes the signs, but for that of the Gaussian curvature.
+/// normals point outwards has twice the curvature `−1 / r`. Reversing a surface changes the signs,
+/// but for that of the Gaussian curvature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceCurvature {
     /// The curvatures of the normal sections that bend least and most, `κ₁ ≤ κ₂`.

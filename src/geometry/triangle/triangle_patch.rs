@@ -7,10 +7,8 @@ use glam::{DAffine3, DVec2, DVec3, DVec4, Vec4Swizzles};
 use super::TriangleError;
 use crate::geometry::affine::{moved, unfit_determinant};
 use crate::geometry::knots::unit_knots;
-use crate::geometry::magnitude::{Extent, extent};
-use crate::geometry::{
-    MAX_DEGREE, MAX_MAGNITUDE, MIN_MAGNITUDE, NurbsCurve, NurbsSurface, SurfaceDerivatives,
-};
+use crate::geometry::magnitude::{Extent, extent, is_usable};
+use crate::geometry::{MAX_DEGREE, MIN_MAGNITUDE, NurbsCurve, NurbsSurface, SurfaceDerivatives};
 
 /// A triangular rational Bézier patch of degree `n`,
 /// `S(u, v) = Σ B_ijk w_ijk P_ijk / Σ B_ijk w_ijk` with `B_ijk = n!/(i! j! k!) uⁱ vʲ wᵏ`,
@@ -23,8 +21,8 @@ use crate::geometry::{
 ///
 /// # Invariants, checked once on construction
 /// - `1 ≤ n ≤` [`MAX_DEGREE`], and there are `(n + 1)(n + 2)/2` control points;
-/// - no coordinate is larger than [`MAX_MAGNITUDE`], and weights are from [`MIN_MAGNITUDE`]
-///   to [`MAX_MAGNITUDE`];
+/// - no coordinate is larger than [`MAX_MAGNITUDE`](crate::geometry::MAX_MAGNITUDE), and weights
+///   are from [`MIN_MAGNITUDE`] to that;
 /// - the control points are not all on one line (within rounding), and span at least
 ///   [`MIN_MAGNITUDE`] along an axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,8 +131,7 @@ impl TrianglePatch {
                 return Err(TriangleError::Weight { exponents, weight });
             }
             let euclidean = point.xyz() / weight;
-            let usable = euclidean.abs().cmple(DVec3::splat(MAX_MAGNITUDE)).all(); // NaN is not
-            if !usable {
+            if !is_usable(euclidean) {
                 return Err(TriangleError::Point { exponents, point: euclidean });
             }
         }

@@ -14,8 +14,8 @@ use super::segment::Segment;
 ///
 /// In CAD files, two curves that are tangent where they join may cross again beside the joint,
 /// because each is fitted by itself: at up to 10⁻⁵ of the extent in the files that were seen. The
-/// lobe counts by the even–odd rule like all else. For a loop drawn a thousand pixels wide, it covers a hundredth of a
-/// pixel.
+/// lobe counts by the even–odd rule like all else. For a loop drawn a thousand pixels wide, it
+/// covers a hundredth of a pixel.
 pub const LOBE_TOLERANCE: f64 = 1e-4;
 
 /// How far a lobe may reach, relative to the loop's extent, though it be narrow.

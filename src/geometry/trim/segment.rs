@@ -26,8 +26,8 @@ const NEAR_SIDE: f64 = 1.0 / 4096.0;
 /// the largest coordinate: up to `6 (p − 1)` for the Bézier form of a spline, `4 p` for cutting it
 /// into monotone segments, `2 p + 6` for evaluation and its division, four for the corners of arcs,
 /// and four where the curve goes back a little although it counts as monotone. Cutting a piece off
-/// at a gap may add `3 p` at either end, which is within the bound up to degree 6, and beyond unless
-/// all errors add up; it is far less than any such gap.
+/// at a gap may add `3 p` at either end, which is within the bound up to degree 6, and beyond
+/// unless all errors add up; it is far less than any such gap.
 fn reach_factor(degree: usize) -> f64 {
     16.0 * (degree + 1) as f64 * UNIT_ROUNDOFF
 }

@@ -3,17 +3,17 @@
 
 use glam::{DVec2, DVec3};
 
-use super::spot::Spot;
+use super::spot::{BESIDE_CORNER, Spot};
 use crate::math::RayFrame;
 
 impl Spot<'_> {
-    /// Whether a ray that meets the piece at a pole, within rounding, is not known to meet it beside
-    /// the pole: as seen along the ray, it passes outside the sector that the piece covers there, or
-    /// nearer than `margin` to an end of the sector at which the surface has a border. Where it goes
-    /// on in another piece, either may be said to be met.
+    /// Whether a ray that meets the piece at a pole, within rounding, is not known to meet it
+    /// beside the pole: as seen along the ray, it passes outside the sector that the piece covers
+    /// there, or nearer than `margin` to an end of the sector at which the surface has a border.
+    /// Where it goes on in another piece, either may be said to be met.
     ///
-    /// Where the directions away from the pole do not tell what sector they cover, it is not said to
-    /// be outside.
+    /// Where the directions away from the pole do not tell what sector they cover, it is not said
+    /// to be outside.
     pub(crate) fn is_passed_outside_at_pole(&self, ray: &RayFrame, margin: f64) -> bool {
         let Self { piece, st, .. } = *self;
         let at = |side: &usize| st[side / 2] == (side % 2) as f64;
@@ -29,9 +29,10 @@ impl Spot<'_> {
     }
 }
 
-/// Whether a place in the plane is outside the sector that a Bézier curve of directions sweeps about
-/// the origin, or within these margins of its ends, of which negative ones widen it. The sector is that of the control polygon, if this
-/// always turns the same way, by less than half a turn from one of its points to the next.
+/// Whether a place in the plane is outside the sector that a Bézier curve of directions sweeps
+/// about the origin, or within these margins of its ends, of which negative ones widen it. The
+/// sector is that of the control polygon, if this always turns the same way, by less than half a
+/// turn from one of its points to the next.
 fn is_outside(away: &[DVec2], place: DVec2, margins: [f64; 2]) -> bool {
     let turns = || away.windows(2).map(|pair| pair[0].perp_dot(pair[1]));
     let sign = turns().sum::<f64>().signum();
@@ -50,12 +51,9 @@ fn is_outside(away: &[DVec2], place: DVec2, margins: [f64; 2]) -> bool {
 /// a parabola in its own axis, whose tangent is `2 √(distance · length)`.
 const STANDS_STILL: f64 = 64.0;
 
-/// How near a corner is, in each parameter of the piece.
-const BESIDE_CORNER: f64 = 1.0 / 64.0;
-
-/// Whether a side of the piece starts from the corner nearby with a tangent that vanishes, to within
-/// the rounding of the place: the tangents there do not tell which directions the piece covers. A
-/// collapsed side is no such side.
+/// Whether a side of the piece starts from the corner nearby with a tangent that vanishes, to
+/// within the rounding of the place: the tangents there do not tell which directions the piece
+/// covers. A collapsed side is no such side.
 pub(super) fn stands_still(spot: &Spot<'_>, error: f64) -> bool {
     let Spot { piece, st, ref jet, .. } = *spot;
     let corner = st.round();

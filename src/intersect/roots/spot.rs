@@ -56,4 +56,4 @@ const MOVED: f64 = 16.0;
 
 /// How far from such a corner, in each parameter of the piece, normals are compared: farther than
 /// rounding moves a place there, unless the piece is very far from the origin.
-const BESIDE_CORNER: f64 = 1.0 / 64.0;
+pub(super) const BESIDE_CORNER: f64 = 1.0 / 64.0;
