@@ -114,8 +114,44 @@ impl Slabs {
             near = near.max(low[k].min(high[k]));
             far = far.min(low[k].max(high[k]));
         }
-        let rounded = 8.0 * f64::EPSILON * (near.abs().min(f64::MAX) + far.abs().min(f64::MAX));
+        // Both may be infinite, where two components of the direction are zero: their sum must not be.
+        let rounding = |z: f64| 8.0 * f64::EPSILON * z.abs().min(f64::MAX);
+        let rounded = rounding(near) + rounding(far);
         let missed = near > far + rounded;
         (!missed).then_some((near - rounded) * self.unscale)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DAffine3;
+
+    use super::*;
+    use crate::geometry::shapes;
+    use crate::intersect::{Kernel, SurfaceBvh};
+    use crate::math::Ray;
+
+    #[test]
+    fn rays_along_an_axis_visit_no_more_than_others() {
+        let spheres: Vec<_> = (0..400)
+            .map(|k| {
+                let at = DVec3::new(f64::from(k % 20), f64::from(k / 20), 0.0);
+                let shift = DAffine3::from_translation(3.0 * at);
+                shapes::sphere(1.0).unwrap().transformed(&shift).unwrap()
+            })
+            .collect();
+        let bvh = SurfaceBvh::build(&spheres).unwrap();
+        let visited = |tilt: f64| {
+            let mut tracer = bvh.tracer_with(Kernel::Scalar);
+            for k in 0..400 {
+                let (x, y) = (0.1507 * f64::from(k), 0.1507 * f64::from(400 - k));
+                let ray = Ray::new(DVec3::new(x, y, 9.0), DVec3::new(tilt, tilt, -1.0)).unwrap();
+                let _ = tracer.first_hit(&ray);
+            }
+            let statistics = tracer.statistics();
+            statistics.nodes + statistics.leaf_tests
+        };
+        let (along, tilted) = (visited(0.0), visited(1e-9));
+        assert!(along <= tilted + tilted / 10, "{along}, {tilted}");
     }
 }
