@@ -121,8 +121,8 @@ impl SurfaceBvh {
 
     /// What the fast kernels search.
     pub(super) fn view(&self) -> BvhView<'_> {
-        let Self { tree, leaves, weights, windows, set, reach_of_f32, .. } = self;
-        BvhView { tree, leaves, weights, windows, set, reach_of_f32: *reach_of_f32 }
+        let Self { tree, leaves, weights, windows, set, reach_of_f32, surroundings, .. } = self;
+        BvhView { tree, leaves, weights, windows, set, reach_of_f32: *reach_of_f32, surroundings }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::intersect::tree::nodes::Tree;
 use crate::math::bits::set_bits;
-use crate::math::prefetch;
+use crate::math::{Aabb, Ray, prefetch};
 use crate::patch::{Leaf, MOST_WEIGHT, PatchSet, Piece, TensorPatch, TrimWindows, WeightFit};
 
 /// The parts of a [`SurfaceBvh`](crate::intersect::SurfaceBvh) that the fast kernels search.
@@ -16,6 +16,8 @@ pub(crate) struct BvhView<'a> {
     pub set: &'a PatchSet,
     /// The largest coordinate an origin may have for the work in f32.
     pub reach_of_f32: f64,
+    /// Bounds of all that rays from within that reach may be said to meet.
+    pub surroundings: &'a Aabb,
 }
 
 /// A leaf, with its weight if its piece is one of those whose leaves have weights.
@@ -46,6 +48,12 @@ impl<'a> BvhView<'a> {
     #[inline(always)]
     pub(crate) fn is_beyond_f32(&self, magnitude: f64) -> bool {
         magnitude > self.reach_of_f32
+    }
+
+    /// Whether a ray surely passes beside everything.
+    #[inline(always)]
+    pub(super) fn is_passed_by(&self, ray: &Ray) -> bool {
+        self.surroundings.is_beside(ray) && !self.is_beyond_f32(ray.origin().abs().max_element())
     }
 
     /// Whether data needed soon are worth prefetching, stage by stage: leaves, their pieces, and

@@ -283,6 +283,16 @@ fn start<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stream: &mu
     stream.flights.resize_with(shots.len().max(stream.flights.len()), Flight::default);
     let scaled = view.tree.frame();
     for base in (0..shots.len()).step_by(LANES) {
+        let lanes = LANES.min(shots.len() - base);
+        // Of a picture with little in it, most rays pass beside everything.
+        let may_meet = |lane: usize| !view.is_passed_by(shots[base + lane].ray());
+        let traced = (0..lanes).map(|lane| u32::from(may_meet(lane)) << lane).sum::<u32>();
+        if traced == 0 {
+            for flight in &mut stream.flights[base..base + lanes] {
+                (flight.met, flight.alone) = (false, false);
+            }
+            continue;
+        }
         let halves = [Frames::of(simd, shots, base), Frames::of(simd, shots, base + 8)];
         let narrow = Narrow::new(simd, &halves[0], &halves[1], scaled);
         let mut numbers = [[0f32; LANES]; 8];
@@ -299,7 +309,7 @@ fn start<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stream: &mu
                 f64x8::store_slice(&from, to);
             }
         }
-        for lane in 0..LANES.min(shots.len() - base) {
+        for lane in 0..lanes {
             let flight = &mut stream.flights[base + lane];
             let [ox, oy, oz, dx, dy, dz, near, far] = &numbers;
             let origin = [ox[lane], oy[lane], oz[lane]];
@@ -313,6 +323,7 @@ fn start<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stream: &mu
             flight.alone = view.is_beyond_f32(flight.magnitude);
             flight.stack.clear();
             if let Some(root) = view.tree.root()
+                && has(traced, lane)
                 && !flight.alone
             {
                 flight.stack.push((f32::NEG_INFINITY, root));
