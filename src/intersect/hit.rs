@@ -45,6 +45,7 @@ pub struct Root {
     /// Its parameters in the unit square of its piece.
     pub(crate) st: DVec2,
     /// How far along the ray the true root may be from the surface's point at `st`, in scene units.
+    /// Where the ray may run along the surface, this may be more than the surface's size.
     pub(crate) error: f64,
     /// The Bézier piece it was found on.
     pub(crate) piece: u32,
@@ -71,6 +72,12 @@ impl Root {
         // Rounded up by about a unit, in one multiplication, since this is done for every hit.
         let cosine = ((1.0 + f64::from(f32::EPSILON)) * cosine.abs()) as f32;
         Self { st, error, cosine, piece, set }
+    }
+
+    /// How far across the surface the true root may be from that point, in scene units; without a
+    /// normal, in any direction.
+    pub(super) fn across(&self) -> f64 {
+        if self.cosine == 0.0 { self.error } else { self.error * f64::from(self.cosine) }
     }
 }
 
@@ -206,11 +213,11 @@ impl Query {
     /// leaves the other may meet the first again. So bound a loop that goes on from hit to hit.
     /// Model such an interface as one surface, or ask for [all hits](super::Tracer::all_hits).
     pub fn leaving(ray: Ray, hit: &Hit) -> Self {
-        let Root { error, cosine, .. } = hit.root;
         let moved = ray.origin() - hit.point;
-        // False where there is no normal.
-        let is_off_surface = moved.dot(hit.normal).abs() > 2.0 * error * f64::from(cosine);
-        let starts_there = moved.length() <= 2.0 * error && !is_off_surface;
+        let has_normal = !hit.normal.is_nan();
+        let across = if has_normal { moved.dot(hit.normal).abs() } else { moved.length() };
+        let is_off_surface = across > 2.0 * hit.root.across();
+        let starts_there = moved.length() <= 2.0 * hit.root.error && !is_off_surface;
         Self { ray, from: starts_there.then_some(hit.root) }
     }
 

@@ -1,8 +1,9 @@
 //! Rays that leave a hit: it is not met again, and no other hit is lost with it.
 
 use glam::{DAffine3, DVec3};
-use nurbray::geometry::{KnotVector, NurbsSurface, Surface, shapes};
-use nurbray::intersect::{Coherence, Hit, Kernel, Query, SurfaceBvh, Tracer};
+use nurbray::geometry::construct::{self, Axis};
+use nurbray::geometry::{KnotVector, NurbsCurve, NurbsSurface, Surface, shapes};
+use nurbray::intersect::{Coherence, Hit, HitFlags, Kernel, Query, SurfaceBvh, Tracer};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
@@ -378,6 +379,53 @@ fn where_a_surface_crosses_itself_the_other_sheet_is_doubtful() {
         let first = tracer.first_hit(&onward);
         assert!(first.hit.is_some() || first.doubtful, "{onward:?}: {first:?}");
     }
+}
+
+/// A body of revolution whose profile runs along the axis into a spike.
+fn spike() -> Model {
+    let profile = [[0.0, 1.0], [0.0, 0.0], [2.0, 0.0], [2.0, 2.0]];
+    let points = profile.map(|[x, z]| DVec3::new(x, 0.0, z)).to_vec();
+    let profile = NurbsCurve::new(KnotVector::bezier(3).unwrap(), points, None).unwrap();
+    let axis = Axis::new(DVec3::ZERO, DVec3::Z).unwrap();
+    Model::new("spike", construct::revolve(&profile, &axis, 360.0).unwrap())
+}
+
+/// How far along its ray the tip of a spike was met is not known, only where the tip is: a ray that
+/// starts elsewhere does not leave it, and what else a ray from there meets is met or in doubt.
+#[test]
+fn a_ray_from_the_tip_of_a_spike_loses_nothing() {
+    let bvh = spike().bvh();
+    let down = Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z).unwrap();
+    let mut random = Random::new(5);
+    let mut beside = [0; 2];
+    for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+        let mut tracer = bvh.tracer_with(kernel);
+        let tip = tracer.first_hit(&down).hit.unwrap();
+        assert!(tip.flags.contains(HitFlags::NO_NORMAL) && tip.point == DVec3::Z, "{tip:?}");
+        for _ in 0..400 {
+            let (way, off) = (random.direction(), random.between(1e-9, 0.3) * random.direction());
+            assert_eq!(
+                Query::leaving(Ray::new(tip.point + off, way).unwrap(), &tip).start_root(),
+                None
+            );
+            let query = Query::leaving(Ray::new(tip.point, way).unwrap(), &tip);
+            assert!(query.start_root().is_some());
+            // What lies ahead, clear of the tip.
+            let onward = Ray::with_range(tip.point, way, 1e-3, f64::INFINITY).unwrap();
+            let expected = tracer.exact_first_hit(&onward);
+            let answer = tracer.first_hit(&query);
+            if expected.doubtful || expected.hit.is_none() {
+                continue;
+            }
+            beside[usize::from(answer.doubtful)] += 1;
+            let expected = expected.hit.unwrap();
+            let met = answer.hit.is_some_and(|hit| hit.t <= expected.t + 1e-9);
+            assert!(met || answer.doubtful, "{kernel}: {query:?}: {answer:?}, {expected:?}");
+            let occlusion = tracer.occluded(&query);
+            assert!(occlusion.occluded || occlusion.doubtful, "{kernel}: {query:?}");
+        }
+    }
+    assert!(beside[0] + beside[1] > 500, "{beside:?}");
 }
 
 /// Chords of spheres of any size, from a hit inwards, however flat: each meets the sphere again.

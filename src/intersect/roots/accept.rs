@@ -13,7 +13,7 @@ use crate::geometry::trim::Side;
 use crate::intersect::exact::{AT_POLE, END, Proof, STRETCH, Solution, holds};
 use crate::intersect::{HitFlags, Root};
 use crate::math::{RayFrame, rounding};
-use crate::patch::{Jet, Leaf, Piece};
+use crate::patch::{Jet, LEAF_SLACK, Leaf, Piece};
 
 /// Why a solution is no meeting.
 pub(crate) enum Dropped {
@@ -190,7 +190,11 @@ impl<'a> Candidate<'a> {
             && flags.without(HitFlags::TRIM_EDGE).is_empty()
             && (at_trims || self.is_at_border())
             && question.starts_on_edge_at(point, cosine, z_error);
-        if is_start { Err(Dropped::Surely) } else { Ok(()) }
+        match is_start {
+            true if is_short(self.leaf, from_start) => Err(Dropped::Surely),
+            true => Err(Dropped::InDoubt(0.0)),
+            false => Ok(()),
+        }
     }
 
     /// Drops what lies outside the ray's range. At the ends of the range, and at trim edges that
@@ -307,6 +311,13 @@ fn on_ray<'a>(
     Err(if unexplained { Dropped::from(from, ray) } else { Dropped::Surely })
 }
 
+/// Whether roots that may be this far apart along a ray can be said to be one: where the distance is
+/// less than the leaf's slack. How far the root at the tip of a spike may be from there, nobody knows.
+fn is_short(leaf: &Leaf, reach: f64) -> bool {
+    let [x, y] = leaf.half_side_lengths().map(f64::from);
+    reach <= 2.0 * LEAF_SLACK * x.min(y)
+}
+
 /// Whether a ray through a pole may touch the surface there instead of crossing it.
 ///
 /// With the radius of curvature R, the ray meets the surface again at the distance 2 R cos(N, d),
@@ -364,7 +375,7 @@ fn is_same_root(proof: Proof, leaf: &Leaf, (root, start): (&Root, &Piece), reach
     };
     match proof {
         Proof::Isolated(rect) if root.piece == leaf.piece => holds(rect, root.st),
-        Proof::Isolated(_) => at_side(),
+        Proof::Isolated(_) => is_short(leaf, reach) && at_side(),
         Proof::Collapsed => true,
         Proof::Contact(_) | Proof::Stretch(_) => false,
     }

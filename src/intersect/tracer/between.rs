@@ -45,13 +45,12 @@ impl End {
         // The ray's direction is off by the rounding of both points.
         let size = ray.origin().abs().max(to.point.abs()).max_element();
         let rounding = 4.0 * f64::EPSILON * size;
-        let across = |hit: &Hit| hit.root.error * f64::from(hit.root.cosine);
         let off = met.point - to.point;
+        let reach = 2.0 * (met.root.across() + to.root.across()) + rounding;
         if to.normal.is_nan() || met.normal.is_nan() {
-            let is_end = off.length() <= 2.0 * (met.root.error + to.root.error) + rounding;
-            return Self { is_end, grazes: false };
+            let farthest = 2.0 * (met.root.error + to.root.error) + rounding;
+            return Self { is_end: off.length() <= reach, grazes: off.length() <= farthest };
         }
-        let reach = 2.0 * (across(met) + across(to)) + rounding;
         let direction = ray.direction().normalize_or_zero();
         let is_in_plane = off.dot(to.normal).abs() <= reach;
         let is_steep = direction.dot(to.normal).abs() > GRAZING;
@@ -66,7 +65,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::geometry::{Surface, shapes};
+    use crate::geometry::construct::{self, Axis};
+    use crate::geometry::{KnotVector, NurbsCurve, Surface, shapes};
     use crate::intersect::SurfaceBvh;
 
     /// A place on a surface, as a ray from the outside finds it.
@@ -96,6 +96,34 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// The tip of a spike has no normal, and how far along a ray from above it was met is not known:
+    /// that is no reason to look through a disk that hides it.
+    #[test]
+    fn a_disk_hides_the_tip_of_a_spike() {
+        let profile = [[0.0, 1.0], [0.0, 0.0], [2.0, 0.0], [2.0, 2.0]];
+        let points = profile.map(|[x, z]| DVec3::new(x, 0.0, z)).to_vec();
+        let profile = NurbsCurve::new(KnotVector::bezier(3).unwrap(), points, None).unwrap();
+        let axis = Axis::new(DVec3::ZERO, DVec3::Z).unwrap();
+        let spike = || construct::revolve(&profile, &axis, 360.0).unwrap();
+        let disk = |z| {
+            let lifted = DAffine3::from_translation(z * DVec3::Z);
+            shapes::disk(1.0).unwrap().transformed(&lifted).unwrap()
+        };
+        let hidden = SurfaceBvh::build(&[spike(), disk(3.0), disk(4.0)]).unwrap();
+        let from = hit(&hidden, DVec3::new(0.1, 0.2, 5.0), DVec3::new(0.1, 0.2, 4.0)).unwrap();
+        let tip = SurfaceBvh::build(&[spike()]).unwrap();
+        let tip = hit(&tip, 2.0 * DVec3::Z, DVec3::Z).unwrap();
+        assert!(tip.normal.is_nan());
+        let seen = hidden.tracer().occluded_between(&from, &tip);
+        assert!(seen.occluded, "{seen:?}");
+        let back = hidden.tracer().occluded_between(&tip, &from);
+        assert!(back.occluded || back.doubtful, "{back:?}");
+
+        let open = SurfaceBvh::build(&[spike(), disk(4.0)]).unwrap();
+        let seen = open.tracer().occluded_between(&from, &tip);
+        assert!(!seen.occluded || seen.doubtful, "{seen:?}");
     }
 
     proptest! {
