@@ -61,7 +61,8 @@
 //! | `Crossing` | meetings of several leaves or surfaces that are one |
 //! | [`Hit`], [`Root`] | what is reported, and the part of it that only this library understands |
 //!
-//! [`Tracer::all_hits`] is the scalar search of all leaves that a ray may meet.
+//! For [`Tracer::all_hits`] the fast kernels find the hits that are certain and away from borders,
+//! and the scalar search finds the others: which of those are one crossing takes more to tell.
 //! [`Tracer::exact_first_hit`] and [`Tracer::exact_all_hits`] use the exact solver alone; the
 //! program's `audit` compares the fast search with it.
 //!

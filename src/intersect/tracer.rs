@@ -200,8 +200,8 @@ impl<'a> Tracer<'a> {
     ///
     /// Hits of adjoining pieces, or of surfaces whose borders meet, are one crossing and reported
     /// once if they are at the same place and have the same sign of `N · d`. All kernels find the
-    /// same hits: the fast ones find the leaves that the ray may meet, the scalar search does the
-    /// rest.
+    /// same hits, to within rounding: the fast ones search the leaves that are certified for the
+    /// ray, and leave hits at borders and the other leaves to the scalar search.
     ///
     /// Hits at one place come in either order, as rounding orders their `t`: where a ray touches a
     /// convex edge of a closed body, it may leave, by the sign of `N · d`, before it enters. Code

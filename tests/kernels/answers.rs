@@ -1,7 +1,7 @@
 //! The answers of kernels, and how they may differ.
 
 use glam::{DAffine3, DVec2, DVec3};
-use nurbray::intersect::{Answer, Coherence, Hit, Kernel, Occlusion, Query, SurfaceBvh, Tracer};
+use nurbray::intersect::{Answer, Coherence, Hit, Kernel, Occlusion, Query, SurfaceBvh};
 use nurbray::math::rounding;
 use nurbray::patch::Piece;
 
@@ -37,13 +37,6 @@ pub(crate) type Said = (Vec<u64>, u32, u8, String);
 /// What an answer says, to the bit.
 pub(crate) fn bits(answer: &Answer) -> (Option<Said>, bool) {
     (answer.hit.as_ref().map(said), answer.doubtful)
-}
-
-/// What is said of all hits of a ray, to the bit.
-pub(crate) fn all_bits(tracer: &mut Tracer<'_>, query: &Query) -> (Vec<Said>, bool) {
-    let mut hits = Vec::new();
-    let doubtful = tracer.all_hits(query, &mut hits);
-    (hits.iter().map(said).collect(), doubtful)
 }
 
 fn said(hit: &Hit) -> Said {

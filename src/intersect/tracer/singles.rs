@@ -10,7 +10,7 @@ use crate::intersect::roots::borders::at_border;
 use crate::intersect::roots::meeting::{CertainHit, Meeting};
 use crate::intersect::roots::question::Question;
 use crate::intersect::scalar::leaf_search;
-use crate::intersect::wide::{BvhView, SingleHit, SingleRay, Wanted, trace_single};
+use crate::intersect::wide::{BvhView, SingleHit, SingleRay, SingleWork, Wanted, trace_single};
 use crate::intersect::{Answer, Hit, HitFlags, Occlusion, Query, Root, Shot, Tracer};
 use crate::math::{Ray, RayFrame};
 use crate::patch::{Jet, Leaf, OrientedBox, Passage, Piece, SetId};
@@ -38,7 +38,20 @@ impl Tracer<'_> {
     pub(super) fn single_all(&mut self, level: Level, query: &Query) -> DVec3 {
         let ray = (&query.ray, query.start_in(&self.bvh.set));
         let frame = dispatch!(level, simd => search(simd, self, ray, Wanted::All));
+        let view = self.bvh.view();
+        // At borders, which hits are one crossing depends on more than where they are.
+        let SingleWork { all, undecided, .. } = &mut self.single;
+        all.retain(|hit| {
+            let leaf = &view.leaves[hit.leaf as usize];
+            let near = leaf.is_at_border() && near_border(leaf, view.piece_of(hit.leaf), hit.st);
+            if near {
+                undecided.push(hit.leaf);
+            }
+            !near
+        });
         self.search_undecided_of_single((query, &frame), frame.z_range[1], Wanted::All);
+        let meeting = |hit| Certain::new(&view, &query.ray, hit).meeting(&frame);
+        self.findings.meetings.extend(self.single.all.iter().map(meeting));
         frame.axis
     }
 

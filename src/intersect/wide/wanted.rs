@@ -10,7 +10,7 @@ pub(crate) enum Wanted {
     First,
     /// Any hit.
     Any,
-    /// All hits: of a single ray, the fast search only collects the leaves that it may meet.
+    /// All hits: those of a single ray that are certified, and the leaves where there may be others.
     All,
 }
 

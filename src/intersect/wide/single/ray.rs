@@ -113,10 +113,10 @@ impl<'a> SingleRay<'a> {
 
     /// Whether more is wanted than that there is a hit.
     pub(super) fn asks_where(&self) -> bool {
-        self.wanted == Wanted::First
+        self.wanted != Wanted::Any
     }
 
-    /// Whether all leaves are wanted that it may meet.
+    /// Whether all hits are wanted.
     pub(super) fn asks_for_all(&self) -> bool {
         self.wanted == Wanted::All
     }

@@ -45,6 +45,8 @@ pub(crate) struct SingleWork {
     /// hit; in any-hit searches, the first one found.
     hits: [SingleHit; 2],
     best: usize,
+    /// All certified hits, if all are asked for.
+    pub all: Vec<SingleHit>,
     /// Leaves that the scalar search must examine.
     pub undecided: Vec<u32>,
     pub statistics: Statistics,
@@ -110,7 +112,11 @@ fn search_block<S: Simd>(
     let mut met = leaves.of(crossings.met);
     view.prefetch_leaves(leaves.first, met);
     if ray.asks_for_all() {
-        work.undecided.extend(set_bits(met).map(|k| leaves.first + k as u32));
+        for k in set_bits(met) {
+            work.statistics.leaf_tests += 1;
+            let leaf = leaves.first + k as u32;
+            search_leaf(simd, view, leaf, (&crossings, k), (&mut *ray, &mut *work));
+        }
         return;
     }
     while met != 0 {
@@ -142,6 +148,10 @@ fn search_leaf<S: Simd>(
     let patch = &view.piece_of(index).patch;
     let error = patch.error_bound(ray.magnitude());
     let guess = Guess::of(leaf, crossings.place_of(k), crossings.slopes_of(k), error);
+    // Of all hits, the scalar search also finds those that rounding leaves open.
+    if ray.asks_for_all() && guess.is_none() {
+        return work.undecided.push(index);
+    }
     let fitted = view.fitted(index, patch);
     let line = (ray.frame.origin, ray.boxes.axis);
     if !ray.start.is_done_with(simd, (fitted, patch), line, (guess.is_some(), error)) {
@@ -241,6 +251,7 @@ impl SingleWork {
     /// Forgets what was found, but keeps statistics.
     pub(crate) fn clear(&mut self) {
         self.met = false;
+        self.all.clear();
         self.undecided.clear();
         self.stack.clear();
     }
@@ -271,6 +282,10 @@ impl SingleWork {
         let found = self.other().place();
         let known = self.hit().map(SingleHit::place);
         match keep(&found, view, known.as_ref()) {
+            Kept::Nearer if ray.asks_for_all() => {
+                let hit = *self.other();
+                self.all.push(hit);
+            }
             Kept::Nearer => {
                 ray.shorten(found.z);
                 self.met = true;
