@@ -96,8 +96,9 @@
 //!
 //! - Each crossing of each surface is reported, or the answer is flagged
 //!   [doubtful](intersect::Answer::doubtful).
-//! - A hit that is not doubtful lies on its ray: `|S(u, v) − (o + t d)| ≤ C ε M`, or twice that at
-//!   a pole: a ray that passes the pole within that distance meets it.
+//! - A hit that is not doubtful is held to its ray: `|S(u, v) − (o + t d)| ≤ C ε M`, or twice that
+//!   at a pole: a ray that passes the pole within that distance meets it. (`C` is not a theorem:
+//!   with weights from 1e-3 to 1e3 a few hits of 220,000 were off by 3 % more.)
 //! - Domains are closed: a ray that passes within half of `C ε M` of a border meets it (a steep ray
 //!   as a rule within 0.85 of `C ε M`), and the hit is marked
 //!   [`BORDER`](intersect::HitFlags::BORDER).

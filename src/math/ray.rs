@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::{Shown, ShownVector};
 
-/// The half line `o + t d` for `t_min < t < t_max`.
+/// The part of the line `o + t d` with `t_min < t < t_max`: by default a half line.
 ///
 /// `t` is measured in units of `d`, whatever its length; the range is open, so the
 /// default `(0, ∞)` leaves out the origin itself.

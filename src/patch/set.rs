@@ -1,4 +1,4 @@
-//! All pieces and leaves of a list of surfaces.
+//! All pieces of a list of surfaces.
 
 use std::fmt;
 use std::num::NonZeroU32;
@@ -33,7 +33,8 @@ pub enum BuildError {
     },
 }
 
-/// The most that 32-bit indices can count: two of their bits say what is counted.
+/// The most that 32-bit indices can count: in a tree, two of their bits say what is counted (the
+/// intersector's `ChildCode`).
 const MOST_COUNTED: usize = u32::MAX as usize / 4;
 
 /// The most Bézier points of all surfaces together: 2²⁷, or 4 GiB of them. Splines of degrees too

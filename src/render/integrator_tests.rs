@@ -149,9 +149,12 @@ fn a_light_beyond_the_last_surface_is_not_hidden_by_what_is_behind_it() {
     let (open, closed) =
         (picture(&open, IntegratorKind::Direct), picture(&closed, IntegratorKind::Direct));
     let lit = |film: &Film, pixel| (color(film, pixel), film.value(Channel::Id, pixel));
+    let mut seen = 0;
     for pixel in pixels().filter(|&pixel| lit(&closed, pixel).1 == Some(0.0)) {
         assert_eq!(lit(&open, pixel), lit(&closed, pixel));
+        seen += 1;
     }
+    assert!(seen > 100, "{seen} pixels of the floor");
 }
 
 #[test]
@@ -163,6 +166,7 @@ fn both_sides_of_a_surface_are_lit_from_their_own_side() {
     let (a, b) = (picture(&up, IntegratorKind::Direct), picture(&down, IntegratorKind::Direct));
     let below = vec![Light::directional(-DVec3::Z, [1.0; 3]).unwrap()];
     let dark = picture(&world(vec![floor(20.0, -1.0)], below, 1.0), IntegratorKind::Direct);
+    let mut seen = 0;
     for pixel in pixels().filter(|&pixel| a.value(Channel::A, pixel) == Some(1.0)) {
         assert_close(color(&a, pixel), [0.9 / PI, 0.5 / PI, 0.1 / PI], pixel);
         assert_eq!(color(&a, pixel), color(&b, pixel));
@@ -170,7 +174,9 @@ fn both_sides_of_a_surface_are_lit_from_their_own_side() {
         // The normal channel keeps the surface's own orientation.
         let z = |film: &Film| film.value(Channel::NZ, pixel).unwrap();
         assert_eq!((z(&a), z(&b)), (1.0, -1.0));
+        seen += 1;
     }
+    assert!(seen > 100, "{seen} pixels of the floor");
 }
 
 #[test]

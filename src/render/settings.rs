@@ -8,8 +8,9 @@ use super::{AovSet, PixelRect};
 use crate::intersect::Kernel;
 use crate::scene::{IntegratorKind, PictureError, RenderDefaults};
 
-/// The most pixels rendered at once: at about 100 bytes each with all data, 27 GB. A
-/// larger picture can be rendered in crops.
+/// The most pixels rendered at once: at about 100 bytes each with all data, 27 GB. (So it is for
+/// ranges of samples like `0..16`. Sums of other ranges are held in several blocks, of 45 bytes a
+/// pixel each: those of `0..15` in four.) A larger picture can be rendered in crops.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
 /// The most threads: far more than processors have, few enough for their stacks.

@@ -111,13 +111,14 @@ struct Outcome {
     fault: Option<String>,
 }
 
-fn ask(bvh: &SurfaceBvh, [from, to]: Stretch, random: &mut Random) -> Outcome {
+/// Asks about a ray along a stretch of a surface of some size.
+fn ask(bvh: &SurfaceBvh, [from, to]: Stretch, size: f64, random: &mut Random) -> Outcome {
     let length = from.distance(to);
     let before = random.between(0.1, 2.0);
     let origin = from - (to - from) / length * before * length;
     let ray = Ray::new(origin, to - from).unwrap();
     let ends = [before, before + 1.0];
-    let near = |hit: &Hit, end: f64| (hit.t - end).abs() <= END_ERROR / length.min(1.0);
+    let near = |hit: &Hit, end: f64| (hit.t - end).abs() <= END_ERROR / (length / size).min(1.0);
     let mut tracer = bvh.tracer();
     let first = tracer.first_hit(&Query::primary(ray));
     let boxes = tracer.statistics().exact_boxes;
@@ -145,6 +146,7 @@ fn a_stretch_inside_a_surface_is_reported_by_its_ends() {
     for Stretched { name, surface, stretch } in stretched() {
         for kind in 0..5 {
             let place = placement(kind, &mut random);
+            let size = place.matrix3.x_axis.length();
             let surface = surface.transformed(&place).unwrap();
             let bvh = SurfaceBvh::build(&[surface]).unwrap();
             let (mut most, mut most_for_all, mut sum, mut wrong) = (0, 0, 0, 0);
@@ -152,7 +154,7 @@ fn a_stretch_inside_a_surface_is_reported_by_its_ends() {
             let started = std::time::Instant::now();
             for _ in 0..count {
                 let ends = stretch(&mut random).map(|point| place.transform_point3(point));
-                let outcome = ask(&bvh, ends, &mut random);
+                let outcome = ask(&bvh, ends, size, &mut random);
                 let [first, all] = outcome.boxes;
                 (most, most_for_all) = (most.max(first), most_for_all.max(all));
                 sum += first;

@@ -364,7 +364,8 @@ impl ExactSolver {
     }
 
     /// The proved root refined on the surface itself, in the parameters of the problem's
-    /// rectangle; `None` when it strays from the box or its residual stays large.
+    /// rectangle: the best place that Newton's iteration comes to; `None` when its residual stays
+    /// large.
     fn refined(&self, problem: &Problem<'_>, rect: Rect, start: DVec2) -> Option<DVec2> {
         let sides = DVec2::from_array(problem.rect.map(|[from, to]| to - from));
         let mut x = inner(rect, start);

@@ -118,7 +118,7 @@ pub(super) fn newton(
         if next != st - delta {
             escapes += 1; // also when delta is not a number
         }
-        if escapes > 1 || !next.is_finite() {
+        if escapes > 1 {
             break;
         }
         st = next;
