@@ -130,7 +130,7 @@ impl Piece {
 
     /// `reach` on the unit square as one in the chart's parameters, with this part of their
     /// rounding.
-    fn chart_reach(&self, reach: DVec2, part: f64) -> DVec2 {
+    pub(crate) fn chart_reach(&self, reach: DVec2, part: f64) -> DVec2 {
         let lengths = DVec2::from_array(self.domain().map(|[from, to]| to - from));
         let reach = reach * lengths + part * self.uv_rounding();
         // NaN means unknown.

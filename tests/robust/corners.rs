@@ -108,6 +108,30 @@ fn bodies_whose_faces_end_in_poles_at_a_vertex() {
     }
 }
 
+/// Triangles over and under a star whose rim goes up and down. Beside a corner of the rim, faces
+/// are met from a little outside of two edges, and of one of these only one is near enough to be
+/// taken for what the ray goes through.
+#[test]
+fn rays_past_the_rim_of_a_star_enter_as_often_as_they_leave() {
+    let rim = |k: usize| {
+        let (radius, z) = [(1.0, 0.0), (0.4, 0.3)][k % 2];
+        let (y, x) = (std::f64::consts::PI * k as f64 / 5.0).sin_cos();
+        DVec3::new(radius * x, radius * y, z)
+    };
+    let triangle = |a, b, c| face([1, 1], vec![a, a, b, c]);
+    let pair = |k: usize| {
+        let [from, to] = [rim(k), rim((k + 1) % 10)];
+        [triangle(DVec3::Z, from, to), triangle(DVec3::NEG_Z, to, from)]
+    };
+    let faces: Vec<NurbsSurface> = (0..10).flat_map(pair).collect();
+    for k in 0..4 {
+        let [odd, doubted] = counted_at(rim(k), &faces, 6e-14, 40_000);
+        assert!(odd == 0 && doubted < 10_000, "{k}: {odd} odd, {doubted} in doubt");
+    }
+    let [odd, doubted] = counted_at(rim(0), &faces, 1e-9, 40_000);
+    assert!(odd == 0 && doubted < 1000, "{odd} odd, {doubted} in doubt");
+}
+
 /// A cube, of whose faces some start from a corner with tangents that vanish, as with parameters
 /// `s²`: there the tangents do not tell what directions the face covers.
 #[test]

@@ -9,6 +9,7 @@
 )]
 
 mod ask;
+mod corners;
 mod edges;
 #[allow(dead_code, reason = "tests/robust uses the rest of it")]
 #[path = "../common/random.rs"]

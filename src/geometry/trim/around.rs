@@ -43,11 +43,16 @@ impl Trims {
     /// The direction of a curve is that of its tangent; at its end, the direction to the first
     /// control point away from it.
     pub(crate) fn around(&self, uv: DVec2, reach: DVec2) -> Option<Sectors> {
+        self.around_within(uv, reach, 1.0)
+    }
+
+    /// [`Trims::around`], but of the curves' rounding errors only this part counts.
+    pub(crate) fn around_within(&self, uv: DVec2, reach: DVec2, part: f64) -> Option<Sectors> {
         let mut met = Vec::new();
         let target = UvBox::about(uv, reach);
         self.tree.any(&target, |index| {
             let segment = &self.segments[index];
-            if segment.seen_from(uv, segment.reach() + reach).0 {
+            if segment.seen_from(uv, part * segment.reach() + reach).0 {
                 met.push(index);
             }
             false
@@ -60,7 +65,7 @@ impl Trims {
         let mut edges = Vec::new();
         for &index in &met {
             let segment = &self.segments[index];
-            let near = target.grown(segment.reach());
+            let near = target.grown(part * segment.reach());
             match segment.ends().map(|end| near.holds(end)) {
                 [true, true] => return None,
                 [false, false] => {

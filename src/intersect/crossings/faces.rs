@@ -6,7 +6,8 @@ use glam::{DVec2, DVec3};
 
 use super::same_place::{Reach, moved};
 use crate::geometry::Direction;
-use crate::intersect::roots::borders::trim_reach;
+use crate::intersect::roots::accept::AIMED_AT_TRIMS;
+use crate::intersect::roots::borders::{root_reach, trim_reach};
 use crate::intersect::roots::meeting::Meeting;
 use crate::math::bernstein::restrict;
 use crate::patch::{CollapsedSide, Piece};
@@ -27,13 +28,25 @@ const LEAST_SINE: f64 = 1e-8;
 const LEAST_ACROSS: f64 = 1e-6;
 
 /// A piece of a surface, where a ray meets it.
+#[derive(Clone, Copy)]
 pub(super) struct Face<'a> {
     pub(super) piece: &'a Piece,
     pub(super) meeting: &'a Meeting,
     /// How far the place may be from the same place as met on other pieces.
     pub(super) reach: Reach,
+    /// How near trim edges must be to count.
+    pub(super) edges: EdgeReach,
     /// The ray's direction.
     pub(super) axis: DVec3,
+}
+
+/// How near trim edges must be to pass through a place.
+#[derive(Clone, Copy)]
+pub(super) enum EdgeReach {
+    /// As near as the edges of other faces that meet there may be seen.
+    Met,
+    /// As near as to a ray that was aimed at them.
+    Aimed,
 }
 
 impl Face<'_> {
@@ -68,8 +81,17 @@ impl Face<'_> {
         let lengths = DVec2::from_array(self.piece.domain().map(|[from, to]| to - from));
         let sectors = match self.piece.trims() {
             Some(trims) if *at_trims => {
-                let reach = trim_reach(jet, self.reach.along_ray) * lengths;
-                Some(trims.around(self.piece.chart_uv(*st), reach)?)
+                let uv = self.piece.chart_uv(*st);
+                Some(match self.edges {
+                    EdgeReach::Met => {
+                        trims.around(uv, trim_reach(jet, self.reach.along_ray) * lengths)?
+                    }
+                    EdgeReach::Aimed => {
+                        let reach = aimed_reach(self.meeting, self.axis);
+                        let reach = self.piece.chart_reach(reach, AIMED_AT_TRIMS);
+                        trims.around_within(uv, reach, AIMED_AT_TRIMS)?
+                    }
+                })
             }
             _ => None,
         };
@@ -156,6 +178,12 @@ impl Face<'_> {
         let sine = self.axis.dot(from.cross(to));
         if from == DVec3::ZERO || to == DVec3::ZERO { f64::NAN } else { sine.atan2(from.dot(to)) }
     }
+}
+
+/// How near a trim edge must be, in each parameter, for a ray to have been aimed at it.
+fn aimed_reach(meeting: &Meeting, axis: DVec3) -> DVec2 {
+    let along = meeting.aimed * (meeting.z_error / meeting.error);
+    root_reach(&meeting.jet, axis, meeting.aimed, along)
 }
 
 /// The unit vector at an angle. Where it is along an axis the other coordinate is exactly zero, for

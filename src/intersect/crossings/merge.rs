@@ -3,6 +3,7 @@
 use glam::DVec3;
 use smallvec::{SmallVec, smallvec};
 
+use super::balance::Balance;
 use super::same_place::{at_one_place, reach_along};
 use super::sides::{has_no_normal, same_side, touches};
 use super::vertices;
@@ -21,10 +22,11 @@ use crate::patch::Piece;
 ///
 /// A ray that passes a convex edge on its outside, within rounding, may be said to enter and to
 /// leave there, or to do neither. Where only one of the two sides was near enough, its meeting is
-/// doubtful.
+/// doubtful. So is all that is met at a place where it does not [balance](Balance).
 pub(crate) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
     meetings.sort_by(Meeting::order);
     join_stretches(meetings);
+    let balance = Balance::new(meetings, pieces, axis);
     vertices::settle(meetings, pieces, axis);
 
     let reach = reach_along(meetings);
@@ -59,6 +61,7 @@ pub(crate) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) 
     meetings.sort_by(|a, b| a.t.total_cmp(&b.t));
     doubt_without_normal(meetings, pieces, axis);
     doubt_half_touches(meetings, pieces, axis);
+    balance.check(meetings);
 }
 
 /// Views of one crossing, by their places among the meetings of the ray.
@@ -174,6 +177,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface, shapes};
+    use crate::intersect::roots::meeting::Cover;
     use crate::intersect::{Query, SurfaceBvh};
     use crate::math::Ray;
     use crate::patch::Jet;
@@ -196,6 +200,9 @@ mod tests {
             cosine,
             stretch: None,
             beyond: false,
+            aimed: 1e-16,
+            cover: Cover::Sector,
+            place: 0,
         }
     }
 

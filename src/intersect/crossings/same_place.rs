@@ -99,6 +99,11 @@ impl Reach {
         Self::new(2.0 * APART * meeting.error, slope(meeting), 2.0 * meeting.edge, axis)
     }
 
+    /// Around a ray that was aimed at the meeting.
+    pub(super) fn aimed(meeting: &Meeting, axis: DVec3) -> Self {
+        Self::new(meeting.aimed, slope(meeting), 0.0, axis)
+    }
+
     /// With an error `across` the ray, which the cosine makes longer along it; trim edges add
     /// `edge` to both.
     fn new(across: f64, cosine: f64, edge: f64, axis: DVec3) -> Self {

@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::faces::Face;
+use super::faces::{EdgeReach, Face};
 use super::same_place::{Reach, at_one_place, reach_along};
 use super::sides::{has_no_normal, touches};
 use crate::intersect::HitFlags;
@@ -24,7 +24,7 @@ use crate::patch::Piece;
 /// How far a sum of angles may be from a whole number of turns, in turns: far more than the
 /// rounding error if no face is met at a cosine below 1e-8, and less than a missing face would
 /// cover, unless that is next to nothing.
-const MOST_TURNED: f64 = 1e-6;
+pub(super) const MOST_TURNED: f64 = 1e-6;
 
 /// Drops meetings at vertices that are on the wrong side where the ray only enters, or only leaves;
 /// where this cannot be decided, they become doubtful. An apex has all sides: it takes that of the
@@ -153,7 +153,7 @@ impl Group {
 }
 
 /// How a ray passes a vertex.
-enum AtVertex {
+pub(super) enum AtVertex {
     /// The ray enters if the number is negative, and leaves if it is positive.
     Through(f64),
     /// It enters, or leaves, more than once.
@@ -164,7 +164,7 @@ enum AtVertex {
 }
 
 /// How a ray passes the faces that it meets at one place.
-fn passage<'m>(
+pub(super) fn passage<'m>(
     meetings: impl Iterator<Item = &'m Meeting>,
     pieces: &[Piece],
     axis: DVec3,
@@ -173,7 +173,13 @@ fn passage<'m>(
     let mut sum = 0.0;
     for meeting in meetings {
         let piece = &pieces[meeting.piece as usize];
-        let face = Face { piece, meeting, reach: Reach::around(meeting, axis), axis };
+        let face = Face {
+            piece,
+            meeting,
+            reach: Reach::around(meeting, axis),
+            edges: EdgeReach::Met,
+            axis,
+        };
         // Leaves of one piece may see the same corner; and a piece may meet itself.
         let sides = face.sides();
         let is_known = faces.iter().any(|&(known, its)| {

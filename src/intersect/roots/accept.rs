@@ -2,9 +2,11 @@
 
 use glam::{DVec2, DVec3};
 
-use super::borders::{TRIM_SPARE, at_border, on_piece, root_reach, rounding_at, trim_reach};
+use super::borders::{
+    TRIM_REACH, TRIM_SPARE, at_border, on_piece, root_reach, rounding_at, trim_reach,
+};
 use super::grazing::KnownRoot;
-use super::meeting::Meeting;
+use super::meeting::{Cover, Meeting};
 use super::pole_side::stands_still;
 use super::question::{PlacedLeaf, Question};
 use super::spot::Spot;
@@ -72,6 +74,8 @@ struct Candidate<'a> {
     edge: f64,
     /// Whether trims cut the point off by more than the rounding of a ray aimed at their edge.
     cut_off: bool,
+    /// Whether trims keep it, and all that a ray aimed at it may meet.
+    kept_whole: bool,
     /// Whether trims cut it off for certain, but so near to their edge that another search may have
     /// found it there.
     just_cut_off: bool,
@@ -115,6 +119,7 @@ impl<'a> Candidate<'a> {
             at_trims: false,
             edge: 0.0,
             cut_off: false,
+            kept_whole: false,
             just_cut_off: false,
         }
     }
@@ -145,12 +150,12 @@ impl<'a> Candidate<'a> {
                     self.on_ray.z = ray.axis.dot(kept.jet.point - ray.origin);
                     (self.normal, self.cosine) = kept.normal_along(ray);
                     self.on_ray.spot = kept;
-                } else if !inside {
-                    let across = AIMED * rounding_at(spot.jet.point, piece, ray);
-                    let along = across * (z_error / error);
-                    let aimed = root_reach(&spot.jet, ray.axis, across, along);
-                    self.cut_off =
-                        piece.side_within(spot.st, aimed, AIMED_AT_TRIMS) == Side::Outside;
+                } else if question.all_hits {
+                    match aimed_side(leaf, spot, ray, z_error / error) {
+                        Side::Outside => self.cut_off = !inside,
+                        Side::Inside => self.kept_whole = inside,
+                        Side::Edge { .. } => {}
+                    }
                 }
             }
             // The ray may run on inside the surface to a part that is kept.
@@ -230,9 +235,21 @@ impl<'a> Candidate<'a> {
         }
         let aimed = AIMED * rounding_at(spot.jet.point, spot.piece, ray);
         let is_at_pole = self.solution.proof == Proof::Collapsed;
-        let beyond = self.cut_off
-            || residual > aimed
-                && (self.moved || is_at_pole && spot.is_passed_outside_at_pole(ray, aimed));
+        let beside_pole = is_at_pole && residual > aimed;
+        let outside_pole =
+            if beside_pole { spot.is_passed_outside_at_pole(ray, [aimed, -aimed]) } else { None };
+        let beyond =
+            self.cut_off || residual > aimed && self.moved || outside_pole.unwrap_or(false);
+        // Where the surface goes on in another piece, either is met, but neither covers everything.
+        let inside_pole = || spot.is_passed_outside_at_pole(ray, [aimed; 2]) == Some(false);
+        let cover = match outside_pole {
+            _ if beyond => Cover::Nothing,
+            // Trims may cut off any part of the sector.
+            Some(_) if !at_trims && inside_pole() => Cover::Whole,
+            _ if beside_pole => Cover::Unknown,
+            _ if self.kept_whole && !at_border => Cover::Whole,
+            _ => Cover::Sector,
+        };
         if question.all_hits && at_border && stands_still(&spot, error) {
             // Which way the ray goes through the surface is not known.
             flags.insert(HitFlags::DOUBTFUL);
@@ -259,7 +276,28 @@ impl<'a> Candidate<'a> {
             cosine,
             stretch,
             beyond,
+            aimed,
+            cover,
+            place: 0,
         }
+    }
+}
+
+/// The side of trims on which all is that a ray may meet that was aimed at a spot near their edge.
+/// Errors along the ray are `longer` than across it.
+fn aimed_side(leaf: &Leaf, spot: &Spot<'_>, ray: &RayFrame, longer: f64) -> Side {
+    let Spot { piece, st, ref jet, .. } = *spot;
+    let across = AIMED * rounding_at(jet.point, piece, ray);
+    let along = across * longer;
+    let reach = root_reach(jet, ray.axis, across, along);
+    let side = piece.side_within(st, reach, AIMED_AT_TRIMS);
+    // Beside a narrow strip, far along the ray, there may be other edges.
+    let strip = KnownRoot { ray, error: across / TRIM_REACH, along: along / TRIM_REACH };
+    match side {
+        Side::Edge { .. } if strip.is_long() && !leaf.has_pole() => {
+            strip.side(piece, st, jet).unwrap_or(side)
+        }
+        _ => side,
     }
 }
 
@@ -387,9 +425,9 @@ const CLEAR_OF_POLE: f64 = 16.0;
 
 /// A ray aimed at a point of a border, or of a trim edge, passes the point within this part of the
 /// rounding error bound there: 0.1 is the most that was seen.
-const AIMED: f64 = 0.25;
+pub(crate) const AIMED: f64 = 0.25;
 
 /// The part that counts, for such a ray, of the error bounds of parameters and trim curves. These
 /// allow for many more roundings than there are; in space they may be more than a border that meets
 /// the edge allows, so that a ray would be said to meet the edge alone, without doubt.
-const AIMED_AT_TRIMS: f64 = 0.0625;
+pub(crate) const AIMED_AT_TRIMS: f64 = 0.0625;

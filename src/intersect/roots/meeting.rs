@@ -4,6 +4,8 @@ use std::cmp::Ordering;
 
 use glam::{DVec2, DVec3};
 
+use super::accept::AIMED;
+use super::borders::rounding_at;
 use crate::intersect::HitFlags;
 use crate::math::RayFrame;
 use crate::patch::{Jet, Piece};
@@ -38,6 +40,24 @@ pub(crate) struct Meeting {
     /// Whether the ray passes a side of the piece, or an edge of its trims, on the outside, by more
     /// than the rounding of a ray aimed at it.
     pub beyond: bool,
+    /// How far a ray may pass a point there and still be one that was aimed at it.
+    pub aimed: f64,
+    /// What the piece covers of a disk of that radius about the ray.
+    pub cover: Cover,
+    /// The number, from 1, of the place where it is met together with other faces, if these must
+    /// balance; 0 elsewhere.
+    pub place: u32,
+}
+
+/// What a piece covers of the surroundings of a ray that meets it: of a disk across the ray, so
+/// small that rays within it cannot be told apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Cover {
+    Nothing,
+    Whole,
+    /// That of the sector between the sides and trim edges that pass through the disk.
+    Sector,
+    Unknown,
 }
 
 impl Meeting {
@@ -90,6 +110,9 @@ impl CertainHit {
             cosine: normal.map_or(0.0, |normal| normal.dot(frame.axis)),
             stretch: None,
             beyond: false,
+            aimed: AIMED * rounding_at(jet.point, piece, frame),
+            cover: Cover::Sector,
+            place: 0,
         }
     }
 }

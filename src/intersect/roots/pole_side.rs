@@ -9,23 +9,32 @@ use crate::math::RayFrame;
 impl Spot<'_> {
     /// Whether a ray that meets the piece at a pole, within rounding, is not known to meet it
     /// beside the pole: as seen along the ray, it passes outside the sector that the piece covers
-    /// there, or nearer than `margin` to an end of the sector at which the surface has a border.
-    /// Where it goes on in another piece, either may be said to be met.
+    /// there, or near an end of the sector: nearer than a margin `at_border`, if the surface has a
+    /// border there, or `inside`, if it goes on in another piece. Negative margins widen the sector.
     ///
-    /// Where the directions away from the pole do not tell what sector they cover, it is not said
-    /// to be outside.
-    pub(crate) fn is_passed_outside_at_pole(&self, ray: &RayFrame, margin: f64) -> bool {
+    /// `None` where the directions away from the pole do not tell what sector they cover.
+    pub(crate) fn is_passed_outside_at_pole(
+        &self,
+        ray: &RayFrame,
+        [at_border, inside]: [f64; 2],
+    ) -> Option<bool> {
         let Self { piece, st, .. } = *self;
         let at = |side: &usize| st[side / 2] == (side % 2) as f64;
-        let mut poles = piece.collapsed_sides().filter(|(side, _)| at(&side.number()));
-        poles.any(|(side, pole)| {
+        let poles = piece.collapsed_sides().filter(|(side, _)| at(&side.number()));
+        let outside = poles.map(|(side, pole)| {
             let passes = -ray.coordinates(pole).truncate();
             let ends = [0, 1].map(|end| piece.is_border(2 * (1 - side.parameter()) + end));
-            let margins = ends.map(|is_border| if is_border { margin } else { -margin });
+            let margins = ends.map(|is_border| if is_border { at_border } else { inside });
             let away = piece.away_from_pole(side, pole);
             let away: Vec<DVec2> = away.into_iter().map(|way| ray.across(way)).collect();
             is_outside(&away, passes, margins)
-        })
+        });
+        let either = |a: Option<bool>, b: Option<bool>| match (a, b) {
+            (Some(true), _) | (_, Some(true)) => Some(true),
+            (Some(false), Some(false)) => Some(false),
+            _ => None,
+        };
+        outside.reduce(either)?
     }
 }
 
@@ -33,7 +42,7 @@ impl Spot<'_> {
 /// about the origin, or within these margins of its ends, of which negative ones widen it. The
 /// sector is that of the control polygon, if this always turns the same way, by less than half a
 /// turn from one of its points to the next.
-fn is_outside(away: &[DVec2], place: DVec2, margins: [f64; 2]) -> bool {
+fn is_outside(away: &[DVec2], place: DVec2, margins: [f64; 2]) -> Option<bool> {
     let turns = || away.windows(2).map(|pair| pair[0].perp_dot(pair[1]));
     let sign = turns().sum::<f64>().signum();
     let is_known = turns().all(|turn| turn * sign > 0.0); // false for NaN
@@ -43,7 +52,7 @@ fn is_outside(away: &[DVec2], place: DVec2, margins: [f64; 2]) -> bool {
         let to = if k == last { margins[1] * pair[1].length() } else { 0.0 };
         sign * pair[0].perp_dot(place) >= from && sign * place.perp_dot(pair[1]) >= to
     };
-    is_known && !away.windows(2).enumerate().any(holds)
+    is_known.then(|| !away.windows(2).enumerate().any(holds))
 }
 
 /// A tangent counts as vanishing where its square is less than this many times the error of points
@@ -94,14 +103,18 @@ mod tests {
             (&[1.5, 0.7, 0.0], &[0.1, 0.8, 1.4], &[-0.1, 1.6, 3.0]),
         ] {
             let away = ways(angles);
-            let outside_at = |angle: f64| is_outside(&away, DVec2::from_angle(angle), [0.01; 2]);
+            let outside_at =
+                |angle: f64| is_outside(&away, DVec2::from_angle(angle), [0.01; 2]).unwrap();
             assert!(inside.iter().all(|&angle| !outside_at(angle)), "{angles:?}");
             assert!(outside.iter().all(|&angle| outside_at(angle)), "{angles:?}");
             // Within the margin of an end.
-            assert!(outside_at(angles[0]) && !is_outside(&away, DVec2::from_angle(0.7), [0.0; 2]));
+            assert!(
+                outside_at(angles[0])
+                    && is_outside(&away, DVec2::from_angle(0.7), [0.0; 2]) == Some(false)
+            );
         }
         // Nothing is known of directions on one line, or that turn back.
-        assert!(!is_outside(&ways(&[0.0, 0.0]), DVec2::Y, [0.0; 2]));
-        assert!(!is_outside(&ways(&[0.0, 1.0, 0.5]), DVec2::NEG_Y, [0.0; 2]));
+        assert_eq!(is_outside(&ways(&[0.0, 0.0]), DVec2::Y, [0.0; 2]), None);
+        assert_eq!(is_outside(&ways(&[0.0, 1.0, 0.5]), DVec2::NEG_Y, [0.0; 2]), None);
     }
 }
