@@ -122,7 +122,7 @@ impl Shares {
                     edges: EdgeReach::Aimed,
                     axis,
                 };
-                net += face.share().copysign(meeting.cosine);
+                net += face.share();
                 faces.push(face);
             }
         }
@@ -142,7 +142,8 @@ impl Shares {
     /// Whether the crossings may be these, of which the ray leaves so many and enters so many.
     ///
     /// Which side of an edge the ray passes may be judged otherwise by the two faces there: the
-    /// share of one is then half too large or too small. Of two faces, that is no reason for doubt.
+    /// share of one is then half too large or too small. Of two faces, that is no reason for doubt,
+    /// nor is a share that is unknown: neither was merged with a third.
     /// Nor is it of one crossing that all faces agree about; nor that their shares are fewer than a
     /// closed surface has, for an open one may end there, or that one of them is unknown.
     fn allow(&self, left: usize, entered: usize) -> bool {
@@ -152,19 +153,24 @@ impl Shares {
             let is_more = self.net.abs() > 1.5 + MOST_TURNED; // false for NaN
             !is_more
         } else {
-            let spare = if self.faces == 2 { 0.5 } else { 0.0 } + MOST_TURNED;
-            (sum - self.net).abs() <= spare // false for NaN
+            let off = (sum - self.net).abs();
+            if self.faces == 2 {
+                off.is_nan() || off <= 0.5 + MOST_TURNED
+            } else {
+                off <= MOST_TURNED
+            }
         }
     }
 }
 
 impl Face<'_> {
-    /// The share of its surroundings that the face covers; not a number if it is unknown.
+    /// The share of its surroundings that the face covers, positive if the ray leaves through it;
+    /// not a number if it is unknown.
     fn share(&self) -> f64 {
         match self.meeting.cover {
             Cover::Nothing => 0.0,
-            Cover::Whole => 1.0,
-            Cover::Sector => self.angle().map_or(f64::NAN, |angle| angle.abs() / TAU),
+            Cover::Whole => 1f64.copysign(self.meeting.cosine),
+            Cover::Sector => self.angle().map_or(f64::NAN, |angle| angle / TAU),
             Cover::Unknown => f64::NAN,
         }
     }
