@@ -12,7 +12,7 @@
 //! | scene for POV-Ray | | [`povray_scene`] |
 //! | picture for a screen, PNG | | [`write_png`], [`write_png_bytes`] |
 //!
-//! Errors begin with the place: `scenes/teapot.toml:41:7: surface "lid", direction u: 10 knots, but
+//! Errors begin with the place: `scenes/teapot.toml:41:7: surface "lid", direction u: 12 knots, but
 //! 7 points of degree 3 need 11`. A file is written under another name and moved into place when
 //! complete ([`write_atomically`]), so a failure leaves the older file as it was. Files that belong
 //! together are moved when all of them are complete ([`stage`], [`put_all_in_place`]). Pictures

@@ -36,16 +36,29 @@ pub enum PlotError {
     /// Numbers that do not make a polygon.
     #[error("polygon: {0}")]
     Polygon(CurveError),
-    /// Neither knots nor weights nor a count give the number of functions.
-    #[error("basis: it is not known how many functions: give knots, weights, or count = …")]
+    /// Neither knots nor weights nor a count give the number of control points.
+    #[error("basis: it is not known of how many points: give knots, weights, or count = …")]
     NoCount,
-    /// A count and weights that give two different numbers of functions.
-    #[error("basis: {} for count = {count}: each function has one", Counted(*.weights, "weight"))]
+    /// A count and weights that give two different numbers of control points.
+    #[error("basis: {} for count = {count}: each point needs one", Counted(*.weights, "weight"))]
     Count {
         /// The number that is given.
         count: usize,
         /// The number of weights.
         weights: usize,
+    },
+    /// Knots and weights that go with two different numbers of control points.
+    #[error(
+        "basis: {}, but the knots of degree {degree} go with {}: each needs one",
+        Counted(*.weights, "weight"), Counted(*.points, "control point")
+    )]
+    Weights {
+        /// The number of weights.
+        weights: usize,
+        /// The number of control points that the knots go with.
+        points: usize,
+        /// The degree.
+        degree: usize,
     },
     /// More functions than can be drawn.
     #[error("basis: {count} functions: at most {MAX_FUNCTIONS} can be drawn")]

@@ -129,7 +129,9 @@ pub struct BasisSpec {
     pub degree: usize,
     /// The knots.
     pub knots: Written<Knots>,
-    /// The number of functions, where neither knots nor weights give it.
+    /// The number of control points, where neither knots nor weights give it: that of the
+    /// functions, but periodic knots have `degree` functions more, as the first ones come again
+    /// at the end of the period.
     pub count: Option<usize>,
     /// The weights; all 1 if not given.
     pub weights: Option<Written<Vec<f64>>>,

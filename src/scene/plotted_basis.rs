@@ -116,7 +116,7 @@ impl BasisSpec {
     }
 
     fn functions(&self) -> Result<PlottedFunctions, (&Place, PlotError)> {
-        let count = self.function_count()?;
+        let count = self.point_count()?;
         let at_knots = |error: KnotError| (&self.knots.place, PlotError::Basis(error.into()));
         let Some(weights) = &self.weights else {
             let functions = self.polynomial(count).map_err(at_knots)?;
@@ -129,21 +129,15 @@ impl BasisSpec {
         Ok(PlottedFunctions::Rational(basis.map_err(at_weights)?))
     }
 
-    /// The number of functions, from those of `count`, `weights` and `knots` that are given.
-    fn function_count(&self) -> Result<usize, (&Place, PlotError)> {
+    /// The number of control points, from those of `count`, `knots` and `weights` that are given.
+    fn point_count(&self) -> Result<usize, (&Place, PlotError)> {
         let (degree, knots) = (self.degree, &self.knots);
-        if let Some(weights) = &self.weights {
-            if self.support {
-                return Err((&weights.place, PlotError::WeightedSupport));
-            }
-            if let Some(count) = self.count.filter(|&count| count != weights.value.len()) {
-                let error = PlotError::Count { count, weights: weights.value.len() };
-                return Err((&weights.place, error));
-            }
+        let weights = self.weights.as_ref();
+        if let Some(weights) = weights.filter(|_| self.support) {
+            return Err((&weights.place, PlotError::WeightedSupport));
         }
-        let given = self.weights.as_ref().map(|weights| weights.value.len()).or(self.count);
         let listed = self.listed();
-        if let (None, Some(found), 0..=MAX_DEGREE) = (given, listed, degree) {
+        if let (None, Some(found), 0..=MAX_DEGREE) = (self.count, listed, degree) {
             if found < degree + 2 {
                 let error = KnotError::NoFunction { knots: found, degree };
                 return Err((&knots.place, PlotError::Basis(error.into())));
@@ -152,10 +146,22 @@ impl BasisSpec {
                 return Err((&knots.place, PlotError::NoDomain { knots: found, degree }));
             }
         }
-        let count = given.or_else(|| match &knots.value {
+        let of_knots = match &knots.value {
             Knots::Periodic(period) => Some(period.len().saturating_sub(1)),
             _ => listed.map(|knots| knots.saturating_sub(degree.saturating_add(1))),
-        });
+        };
+        if let (Some(weights), Some(points)) = (weights, self.count.or(of_knots)) {
+            let found = weights.value.len();
+            if found != points {
+                let error = match self.count {
+                    Some(count) => PlotError::Count { count, weights: found },
+                    None => PlotError::Weights { weights: found, points, degree },
+                };
+                return Err((&weights.place, error));
+            }
+        }
+        let of_weights = weights.map(|weights| weights.value.len());
+        let count = self.count.or(of_weights).or(of_knots);
         let count = count.ok_or((&knots.place, PlotError::NoCount))?;
         if count > MAX_FUNCTIONS {
             return Err((&knots.place, PlotError::Functions { count }));

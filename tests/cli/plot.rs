@@ -202,7 +202,7 @@ fn what_cannot_be_plotted_is_told_with_its_place() {
         (
             "{ curves = [{ curve = { bezier = [[0, 0]] } }] }",
             "3:30",
-            "plot \"A\": curve 0: degree 0: degrees from 1 to 32 are supported",
+            "plot \"A\": curve 0: 1 point: at least 2 are needed",
         ),
         (
             "{ curves = [{ curve = { note_circle = \"half\" } }] }",
@@ -217,7 +217,7 @@ fn what_cannot_be_plotted_is_told_with_its_place() {
         (
             "{ basis = { degree = 2 } }",
             "3:18",
-            "plot \"A\": basis: it is not known how many functions: give knots, weights, or count = …",
+            "plot \"A\": basis: it is not known of how many points: give knots, weights, or count = …",
         ),
         (
             "{ basis = { degree = 2, knots = [0, 0, 0, 1, 1] } }",
@@ -242,7 +242,17 @@ fn what_cannot_be_plotted_is_told_with_its_place() {
         (
             "{ basis = { degree = 2, count = 4, weights = [1, 1, 1] } }",
             "3:53",
-            "plot \"A\": basis: 3 weights for count = 4: each function has one",
+            "plot \"A\": basis: 3 weights for count = 4: each point needs one",
+        ),
+        (
+            "{ basis = { degree = 2, knots = [0, 0, 0, 1, 2, 3, 3, 3], weights = [1, 1, 1] } }",
+            "3:76",
+            "plot \"A\": basis: 3 weights, but the knots of degree 2 go with 5 control points: each needs one",
+        ),
+        (
+            "{ basis = { degree = 3, knots = { periodic = [0, 1, 2, 3, 4] }, weights = [1] } }",
+            "3:82",
+            "plot \"A\": basis: 1 weight, but the knots of degree 3 go with 4 control points: each needs one",
         ),
         (
             "{ curves = [{ curve = { bezier = [[0, 0], [1e308, 0], [-1e308, 1]] } }] }",

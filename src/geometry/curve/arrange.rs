@@ -69,10 +69,10 @@ impl NurbsCurve {
     /// # Errors
     /// When there are fewer than two points or too many, or one is not finite.
     pub fn bezier(points: &[DVec3]) -> Result<Self, CurveError> {
-        let Some(degree) = points.len().checked_sub(1) else {
-            return Err(CurveError::TooFewPoints { found: 0, needed: 2 });
-        };
-        let knots = KnotVector::bezier(degree)?;
+        if points.len() < 2 {
+            return Err(CurveError::TooFewPoints { found: points.len(), needed: 2 });
+        }
+        let knots = KnotVector::bezier(points.len() - 1)?;
         Self::new(knots, points.to_vec(), None)
     }
 

@@ -199,7 +199,7 @@ fn errors_tell_what_is_needed() {
 fn a_bezier_curve_needs_points_for_its_degree() {
     let message = |points: &[DVec3]| NurbsCurve::bezier(points).unwrap_err().to_string();
     assert_eq!(message(&[]), "0 points: at least 2 are needed");
-    assert_eq!(message(&[DVec3::ONE]), "degree 0: degrees from 1 to 32 are supported");
+    assert_eq!(message(&[DVec3::ONE]), "1 point: at least 2 are needed");
     assert_eq!(message(&[DVec3::ONE; 34]), "degree 33: degrees from 1 to 32 are supported");
 }
 

@@ -1,5 +1,7 @@
 //! The error of knot vectors: numbers that cannot be the knots of a spline.
 
+use std::fmt;
+
 use thiserror::Error;
 
 use crate::geometry::{MAX_CONTROL_POINTS, MAX_DEGREE};
@@ -84,7 +86,7 @@ pub enum KnotError {
     /// The number of knots does not match the degree and the control points.
     #[error(
         "{}, but {points} points of degree {degree} need {}{}",
-        Counted(*.knots, "knot"), points + degree + 1, ends_left_out(*.knots, points + degree + 1)
+        Counted(*.knots, "knot"), points + degree + 1, Miscounted { knots: *.knots, points: *.points, degree: *.degree }
     )]
     Count {
         /// The number of knots given.
@@ -177,8 +179,24 @@ pub enum KnotError {
     },
 }
 
-/// A hint for knots as openNURBS counts them: without the first and the last, on which no point of
-/// the domain depends.
-fn ends_left_out(knots: usize, needed: usize) -> &'static str {
-    if knots + 2 == needed { " (Rhino leaves out the first and the last: add them)" } else { "" }
+/// The end of the message about a wrong number of knots: the convention that they may follow.
+struct Miscounted {
+    knots: usize,
+    points: usize,
+    degree: usize,
+}
+
+impl fmt::Display for Miscounted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { knots, points, degree } = *self;
+        match (points + degree + 1).checked_sub(knots) {
+            // Rogers' order k is the degree + 1, and his knots are points + k.
+            Some(1) if degree > 1 => {
+                write!(f, " ({knots} fit degree {}: the degree is the order less 1)", degree - 1)
+            }
+            // openNURBS leaves out two, on which no point of the domain depends.
+            Some(2) => f.write_str(" (Rhino leaves out the first and the last: add them)"),
+            _ => Ok(()),
+        }
+    }
 }

@@ -14,7 +14,7 @@ fn errors_tell_what_was_found_and_what_is_needed() {
     let new = |degree, values: &[f64]| message(KnotVector::new(degree, values.to_vec()));
     assert_eq!(
         message(KnotVector::for_points(3, vec![0.0; 10], 7)),
-        "10 knots, but 7 points of degree 3 need 11"
+        "10 knots, but 7 points of degree 3 need 11 (10 fit degree 2: the degree is the order less 1)"
     );
     // A clamped cubic as openNURBS keeps it.
     assert_eq!(

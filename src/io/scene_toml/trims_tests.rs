@@ -105,7 +105,7 @@ fn trims_that_cannot_be_are_named() {
         ),
         (
             "loops = [{ curves = [\n  { polyline = [[0.1, 0.1], [0.9, 0.1]] },\n  { bezier = [[0.9, 0.1]] },\n] }]",
-            "7:3: surface \"sheet\": trims: loop 0, curve 1: degree 0: degrees from 1 to 32 are supported",
+            "7:3: surface \"sheet\": trims: loop 0, curve 1: 1 point: at least 2 are needed",
         ),
         (
             "loops = [{ curves = [{ polyline = [[0, 0, 0], [1, 0, 2]] }] }]",
