@@ -198,7 +198,10 @@ pub enum CurveError {
         above: f64,
     },
     /// Weights or constants do not make a circle.
-    #[error("{what} is {}: a circle needs {needed}", Measured(*.found))]
+    #[error(
+        "{what} is {}: a circle needs {needed} to within {tolerance:.1e}",
+        Measured(*.found)
+    )]
     NotRound {
         /// The expression whose value is wrong.
         what: &'static str,
@@ -206,5 +209,7 @@ pub enum CurveError {
         found: f64,
         /// The value it must have.
         needed: f64,
+        /// How far from that it may be.
+        tolerance: f64,
     },
 }

@@ -115,8 +115,9 @@ impl QuarticConstants {
         for (what, terms, size) in equations {
             let found: f64 = terms.iter().sum();
             let size = size + terms.iter().map(|term| term.abs()).sum::<f64>();
-            if found.abs() > ROUNDING * size {
-                return Err(CurveError::NotRound { what, found, needed: 0.0 });
+            let tolerance = ROUNDING * size;
+            if found.abs() > tolerance {
+                return Err(CurveError::NotRound { what, found, needed: 0.0, tolerance });
             }
         }
         Ok(Self { w1, w2, y1, x2 })
@@ -162,7 +163,9 @@ pub fn quarter_circle_weighted([w0, w1, w2]: [f64; 3]) -> Result<NurbsCurve, Cur
     let ratio = 2.0 * (w1 / w0) * (w1 / w2);
     let round = (ratio - 1.0).abs() <= ROUNDING;
     if !round {
-        return Err(CurveError::NotRound { what: "2 w1² / (w0 w2)", found: ratio, needed: 1.0 });
+        let what = "2 w1² / (w0 w2)";
+        let (needed, tolerance) = (1.0, ROUNDING);
+        return Err(CurveError::NotRound { what, found: ratio, needed, tolerance });
     }
     let knots = unit_knots(2);
     NurbsCurve::new(
@@ -320,7 +323,7 @@ mod tests {
     fn constants_that_make_no_circle_are_refused_by_how_much() {
         assert_eq!(
             QuarticConstants::new([1.0, 1.0], 0.5, 0.75).unwrap_err().to_string(),
-            "4 w1² y1² + 3 w2 (x2 - 1) is 0.25: a circle needs 0"
+            "4 w1² y1² + 3 w2 (x2 - 1) is 0.25: a circle needs 0 to within 1.7e-14"
         );
         assert_eq!(
             QuarticConstants::solved(QuarticArc::First, 0.125).unwrap_err().to_string(),
@@ -339,7 +342,7 @@ mod tests {
         assert!(QuarticConstants::solved(QuarticArc::Second, f64::NAN).is_err());
         assert_eq!(
             quarter_circle_weighted([1.0, 1.0, 1.0]).unwrap_err().to_string(),
-            "2 w1² / (w0 w2) is 2: a circle needs 1"
+            "2 w1² / (w0 w2) is 2: a circle needs 1 to within 3.6e-15"
         );
         assert_eq!(
             quarter_circle_weighted([1.0, 0.0, 1.0]).unwrap_err().to_string(),

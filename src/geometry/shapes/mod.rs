@@ -53,9 +53,9 @@ pub enum ShapeError {
     /// Constants of a quartic triangle violate their constraint.
     #[error(
         "the constants a = {}, b = {} make no sphere: of x² + y² + z² - w², a polynomial of \
-         degree 8 that must be 0, the coefficient at ({}, {}, {}) is {} of its terms; the source \
-         note has a = {}, b = {}",
-        list(.a), list(.b), .exponents[0], .exponents[1], .exponents[2], Measured(*.residual),
+         degree 8 that must be 0, the coefficient at ({}, {}, {}) is {} of its terms, more than \
+         {:.1e}; the source note has a = {}, b = {}",
+        list(.a), list(.b), .exponents[0], .exponents[1], .exponents[2], Measured(*.residual), .tolerance,
         all_digits(OctantConstants::of_the_note().a()), all_digits(OctantConstants::of_the_note().b())
     )]
     Octant {
@@ -67,6 +67,8 @@ pub enum ShapeError {
         exponents: [usize; 3],
         /// That coefficient, as a share of the sum of its terms' magnitudes.
         residual: f64,
+        /// How large that share may be.
+        tolerance: f64,
     },
     /// The tube of a torus is as thick as its circle, or thicker.
     #[error(

@@ -66,8 +66,9 @@ impl OctantConstants {
         let constants = Self { a, b };
         let (exponents, residual) = constants.residual();
         // A common factor of the weights changes nothing.
-        if residual.abs() > ROUNDING {
-            return Err(ShapeError::Octant { a, b, exponents, residual });
+        let tolerance = ROUNDING;
+        if residual.abs() > tolerance {
+            return Err(ShapeError::Octant { a, b, exponents, residual, tolerance });
         }
         Ok(constants)
     }
@@ -199,7 +200,7 @@ mod tests {
             message([0.4, note.a[1], note.a[2]], note.b),
             "the constants a = [0.4, 0.788675, 0.589353], b = [5.0718, 4.24264, 4, 3.34468] make no \
              sphere: of x² + y² + z² - w², a polynomial of degree 8 that must be 0, the coefficient \
-             at (0, 4, 4) is -0.0109595 of its terms; the source note has \
+             at (0, 4, 4) is -0.0109595 of its terms, more than 1.4e-14; the source note has \
              a = [0.4226497308103742, 0.7886751345948129, 0.5893534615581059], \
              b = [5.0717967697244895, 4.242640687119286, 4, 3.3446772571685868]"
         );
