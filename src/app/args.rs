@@ -262,6 +262,10 @@ pub(crate) struct CastArguments {
     /// Print the counts and times as one JSON object
     #[arg(long)]
     pub(crate) json: bool,
+
+    /// No progress and no summary: nothing on stderr but warnings and errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
 }
 
 /// The largest number of rays of one audit: at least a day's work. Except for rays with faults,

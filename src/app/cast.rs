@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &CastArguments) -> Result<ExitCode, Failure> {
             "threads": threads,
             "kernel": tracing.kernel.name(),
         }))?;
-    } else {
+    } else if !arguments.quiet {
         let rate = rays.len() as f64 / seconds.max(f64::MIN_POSITIVE) * 1e-6;
         let summary = format!(
             "{}, {}, {} doubtful; {seconds:.3} s on {} ({rate:.3} Mrays/s, kernel {}); wrote {}",
@@ -91,7 +91,10 @@ fn cast<const N: usize>(
     rays: &[Ray],
     trace: impl FnOnce(&[Ray], &Progress) -> Traced<N>,
 ) -> Result<(Counts, f64), Failure> {
-    let progress = Progress::new("casting", rays.len() as u64);
+    let progress = match arguments.quiet {
+        true => Progress::silent(),
+        false => Progress::new("casting", rays.len() as u64),
+    };
     let start = Instant::now();
     let traced = trace(rays, &progress);
     let seconds = start.elapsed().as_secs_f64();

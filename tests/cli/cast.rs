@@ -201,6 +201,19 @@ fn hits_go_down_a_pipe_alone() {
 }
 
 #[test]
+fn quiet_says_nothing() {
+    let sandbox = sandbox();
+    sandbox.write_rows("rays.npy", &[[0.25, 0.5, 2.0, 0.0, 0.0, -1.0]]);
+    for quiet in ["--quiet", "-q"] {
+        let line = format!("cast square.json --rays rays.npy -o hits.npy {quiet}");
+        let run = sandbox.run(&line).succeeded();
+        assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""));
+        let run = sandbox.run(&format!("{line} --json")).succeeded();
+        assert!(run.stdout.starts_with('{'), "{}", run.stdout);
+    }
+}
+
+#[test]
 fn no_rays_have_no_hits() {
     let sandbox = sandbox();
     sandbox.write_rows::<6>("rays.npy", &[]);
