@@ -35,6 +35,19 @@ const ELSEWHERE: [(&str, &str, &str); 18] = [
     ("plane", "net", "it under [[plot]], above the tables of what it shows"),
 ];
 
+/// Messages of the TOML parser, and what they say in plain words.
+const PARSER: [(&str, &str); 6] = [
+    ("invalid mantissa, expected digits", "a number has a digit before its point, as in 0.5"),
+    ("invalid fraction, expected digits", "a number has a digit after its point, as in 1.0"),
+    ("extra comma in array, expected value", "found a comma, needed a value before it"),
+    (
+        "extra assignment between key-value pairs, expected `,`",
+        "found =, needed a comma before its key",
+    ),
+    ("key with no value, expected `=`", "found a key without a value, needed key = value"),
+    ("invalid basic string, expected `\"`", "the text has no closing quote: needed \""),
+];
+
 /// Rust types that parsers mention, and their plain names.
 const TYPES: [(&str, &str); 8] = [
     ("f64", "a number"),
@@ -62,8 +75,8 @@ pub(super) fn explain(message: &str, written: &str) -> String {
     if let Some(key) = message.strip_prefix("duplicate field ") {
         return format!("key {} is given twice", key.replace('`', "\""));
     }
-    if message == "invalid mantissa, expected digits" {
-        return "a number has a digit before its point, as in 0.5".to_owned();
+    if let Some((_, ours)) = PARSER.iter().find(|(theirs, _)| *theirs == message) {
+        return (*ours).to_owned();
     }
     if message == "duplicate key" {
         return format!("key \"{}\" is given twice", written.trim());
@@ -195,6 +208,22 @@ mod tests {
         );
     }
 
+    /// Messages of the parser that change go unnoticed otherwise.
+    #[test]
+    fn what_the_parser_says_of_values_is_put_plainly() {
+        for (text, plain) in [
+            ("x = .5", "a number has a digit before its point, as in 0.5"),
+            ("x = [1., 2]", "a number has a digit after its point, as in 1.0"),
+            ("x = [1,, 2]", "found a comma, needed a value before it"),
+            ("x = { a = 1 b = 2 }", "found =, needed a comma before its key"),
+            ("x", "found a key without a value, needed key = value"),
+            ("x = \"a", "the text has no closing quote: needed \""),
+        ] {
+            let error = toml::from_str::<toml::Table>(text).unwrap_err();
+            assert_eq!(explain(error.message(), ""), plain, "{text}: {error}");
+        }
+    }
+
     #[test]
     fn types_get_plain_names() {
         assert_eq!(
@@ -238,7 +267,5 @@ mod tests {
             "found a list, needed a table"
         );
         assert_eq!(explain("missing field `shape`", ""), "missing key \"shape\"");
-        let error = toml::from_str::<toml::Table>("x = .5").unwrap_err();
-        assert!(explain(error.message(), ".").contains("as in 0.5"), "{error}");
     }
 }

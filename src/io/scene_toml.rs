@@ -241,7 +241,7 @@ pub fn read_scene(
     let source = Source::new(text, label);
     let Keyed(keys): Keyed<SceneKeys> = toml::from_str(text).map_err(|error| {
         let span = error.span().unwrap_or(0..0);
-        let message = slip(error.message(), text, span.start)
+        let message = slip(error.message(), &source, span.start)
             .unwrap_or_else(|| explain(error.message(), source.slice(span.clone())));
         LoadError::malformed(source.place(span.start), message)
     })?;

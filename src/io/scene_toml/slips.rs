@@ -3,6 +3,7 @@
 //! What the parser expected is rarely what was meant. For the commonest slips, the text at the
 //! place of its complaint says more; where that is not certain, the parser's message stays.
 
+use super::super::source::Source;
 use crate::math::Shown;
 
 /// Messages of the parser: for text where a value is needed, a comma too many in a table, leading
@@ -14,18 +15,37 @@ const LEADING_ZERO: &str = "unexpected leading zero, expected nothing";
 const LINE_GOES_ON: &str = "unexpected key or value, expected newline, `#`";
 const TWICE: &str = "duplicate key";
 
+/// Beginnings of its messages: for words that begin as `nan`, `inf`, `true` or `false` do, lists and
+/// tables that do not end, what cannot stand in them, and a key that no `=` follows.
+const NO_FLOAT: &str = "invalid float";
+const NO_BOOLEAN: &str = "invalid boolean";
+const OPEN_LIST: &str = "unclosed array, ";
+const OPEN_TABLE: &str = "unclosed inline table, ";
+const NOT_IN_LIST: &str = "missing comma between array elements";
+const NOT_IN_TABLE: [&str; 2] = ["invalid inline table element", "missing key for inline table"];
+const NO_EQUALS: [&str; 3] = ["key with no value", "missing assignment", "invalid unquoted key"];
+
 /// Tables of which a scene may have several.
 const SEVERAL: [&str; 4] = ["light", "material", "object", "plot"];
 
 /// Longer text is not repeated in messages.
 const LONGEST: usize = 40;
 
+/// Quotes as word processors write them.
+const CURLY_QUOTES: [char; 6] = ['“', '”', '„', '‘', '’', '‚'];
+
 /// Returns what is wrong at an offset of the text, where the parser says `message`, if that is
 /// plain.
-pub(super) fn slip(message: &str, text: &str, offset: usize) -> Option<String> {
-    let (before, after) = text.split_at_checked(offset)?;
-    let before = before.rsplit('\n').next()?;
-    let after = after.lines().next().unwrap_or("");
+pub(super) fn slip(message: &str, source: &Source<'_>, offset: usize) -> Option<String> {
+    let (text, rest) = source.text().split_at_checked(offset)?;
+    let before = text.rsplit('\n').next()?;
+    let after = rest.lines().next().unwrap_or("");
+    let value = before.rsplit('=').next()?.trim_start();
+    let opens = value.starts_with('(') && !value.contains(['"', '\'']);
+    if opens || after.starts_with('(') {
+        return Some("found (, needed [: a list has square brackets".into());
+    }
+    let is = |beginning: &&str| message.starts_with(*beginning);
     match message {
         NO_VALUE => no_value(after),
         // The same message is given for a string without an end, which runs to the end of the line.
@@ -36,9 +56,88 @@ pub(super) fn slip(message: &str, text: &str, offset: usize) -> Option<String> {
         COMMA_IN_BRACES => no_brackets(before, after),
         LEADING_ZERO => leading_zero(after),
         TWICE => table_twice(before, after),
-        LINE_GOES_ON => no_brackets(before, after).or_else(|| comma_at_end(before, after)),
+        LINE_GOES_ON => unfit_bracket(source, offset)
+            .or_else(|| no_brackets(before, after))
+            .or_else(|| comma_at_end(before, after)),
+        _ if [NO_FLOAT, NO_BOOLEAN].iter().any(is) => no_value(after),
+        _ if [OPEN_LIST, OPEN_TABLE].iter().any(is) => not_closed(source, offset),
+        _ if is(&NOT_IN_LIST) => unfit_bracket(source, offset)
+            .or_else(|| next_key(before, after).and_then(|()| not_closed(source, offset)))
+            .or_else(|| no_comma(after)),
+        _ if NOT_IN_TABLE.iter().any(is) => unfit_bracket(source, offset)
+            .or_else(|| next_key(before, after).and_then(|()| not_closed(source, offset))),
+        _ if NO_EQUALS.iter().any(is) => no_equals(before, after),
         _ => None,
     }
+}
+
+/// The list or table, innermost of all, that is open at the end of a text: its kind, what closes it,
+/// and where it begins.
+fn open_at_end(text: &str) -> Option<(&'static str, char, usize)> {
+    let mut open = Vec::new();
+    let mut rest = text.char_indices();
+    while let Some((at, c)) = rest.next() {
+        match c {
+            '[' => open.push(("list", ']', at)),
+            '{' => open.push(("table", '}', at)),
+            ']' | '}' => drop(open.pop()),
+            '#' => drop(rest.find(|(_, c)| *c == '\n')),
+            '"' | '\'' => {
+                while let Some((_, inside)) = rest.next()
+                    && inside != c
+                {
+                    if inside == '\\' && c == '"' {
+                        rest.next();
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+    open.pop()
+}
+
+/// The message for a list or table that nothing closes.
+fn not_closed(source: &Source<'_>, offset: usize) -> Option<String> {
+    let (kind, close, start) = open_at_end(&source.text()[..offset])?;
+    let (line, column) = source.place(start).position()?;
+    Some(format!("the {kind} that begins at {line}:{column} is not closed: needed {close}"))
+}
+
+/// The message for a bracket that closes what is not open.
+fn unfit_bracket(source: &Source<'_>, offset: usize) -> Option<String> {
+    let (before, after) = source.text().split_at(offset);
+    let found = after.chars().next().filter(|c| [']', '}'].contains(c))?;
+    let Some((kind, close, start)) = open_at_end(before) else {
+        return Some(format!("found {found}, but nothing is open that it could close"));
+    };
+    let (line, column) = source.place(start).position()?;
+    (found != close).then(|| {
+        format!(
+            "found {found} in the {kind} that begins at {line}:{column}: a {close} is missing \
+             before it, or this {found} is one too many"
+        )
+    })
+}
+
+/// Whether a line begins here that is the header of a table, or a key with its value.
+fn next_key(before: &str, after: &str) -> Option<()> {
+    let name = after.trim_start_matches('[');
+    let begins = before.trim().is_empty() && name.starts_with(|c: char| c.is_ascii_alphabetic());
+    (begins && (after.starts_with('[') || after.contains('='))).then_some(())
+}
+
+/// The message for two values of a list with something else than a comma between them.
+fn no_comma(after: &str) -> Option<String> {
+    let found = after.chars().next()?;
+    Some(format!("found {found}, needed a comma between two values of a list"))
+}
+
+/// The message for a key and its value with a colon between them.
+fn no_equals(before: &str, after: &str) -> Option<String> {
+    let key = before.rsplit(['{', ',']).next()?;
+    (key.contains(':') || after.starts_with(':'))
+        .then(|| "found :, needed = between a key and its value".into())
 }
 
 /// The message for the header of a table that is given as one and as several.
@@ -93,8 +192,21 @@ fn no_value(after: &str) -> Option<String> {
     if found.len() > LONGEST || found.contains(['"', '\'', '\\']) {
         return None;
     }
+    if found.contains(CURLY_QUOTES) {
+        let bare = found.replace(CURLY_QUOTES, "");
+        return Some(format!("found {found}, needed straight quotes: \"{bare}\""));
+    }
+    if found.contains(['(', '*', '^']) && found.contains(|c: char| c.is_ascii_digit()) {
+        return Some(format!("found {found}, needed the number it comes to, in digits"));
+    }
     if let Some(number) = found.strip_prefix('−').filter(|number| is_number(number)) {
         return Some(format!("found {found}, needed -{number}: the sign is another character"));
+    }
+    if let "null" | "Null" | "NULL" | "None" | "nil" = found {
+        return Some(format!("found {found}, needed a value: to give none, leave out the key"));
+    }
+    if let lower @ ("true" | "false") = found.to_lowercase().as_str() {
+        return Some(format!("found {found}, needed {lower}"));
     }
     if let Some(meant) = match found {
         "yes" | "on" => Some("true"),
@@ -172,7 +284,7 @@ mod tests {
         let error = toml::from_str::<toml::Table>(&text).unwrap_err();
         let offset = error.span().unwrap().start;
         let column = text[..offset].rsplit('\n').next().unwrap().len() + 1;
-        let said = slip(error.message(), &text, offset);
+        let said = slip(error.message(), &Source::new(&text, "s"), offset);
         format!("{column}: {}", said.unwrap_or_else(|| format!("({})", error.message())))
     }
 
@@ -232,6 +344,67 @@ mod tests {
             ("k = 1.5,2", "8: found 1.5, 2, needed brackets around a list: [1.5, 2]".into()),
             ("k = 1,", format!("6: {end}")),
             ("k = [1, 2], # a list", format!("11: {end}")),
+        ] {
+            assert_eq!(said(line), expected, "{line}");
+        }
+    }
+
+    #[test]
+    fn brackets_that_do_not_fit() {
+        let open = |kind: &str, column: usize, close: char| {
+            format!("the {kind} that begins at 2:{column} is not closed: needed {close}")
+        };
+        let unfit = |found: char, kind: &str, column: usize, close: char| {
+            format!(
+                "found {found} in the {kind} that begins at 2:{column}: a {close} is missing \
+                 before it, or this {found} is one too many"
+            )
+        };
+        for (line, expected) in [
+            ("k = { j = [[1, 0], [0, 1] }", format!("27: {}", unfit('}', "list", 11, ']'))),
+            ("k = { j = [[1, 0], [0, 1]]] }", format!("27: {}", unfit(']', "table", 5, '}'))),
+            ("k = [1, 2]]", "11: found ], but nothing is open that it could close".into()),
+            ("k = [{ j = ['[', \"]\\\"\"] } # [", format!("1: {}", open("list", 5, ']'))),
+            ("k = [[1, 2], [3, 4]", format!("1: {}", open("list", 5, ']'))),
+            ("k = [{ j = [1, 2] }\n[[plot]]", format!("1: {}", open("list", 5, ']'))),
+            ("k = [{ j = { i = 1 }\n[[plot]]", format!("1: {}", open("table", 6, '}'))),
+            (
+                "k = [[1, 2]; [3, 4]]",
+                "12: found ;, needed a comma between two values of a list".into(),
+            ),
+            (
+                "k = [[1, 2] [3, 4]]",
+                "13: found [, needed a comma between two values of a list".into(),
+            ),
+        ] {
+            assert_eq!(said(line), expected, "{line}");
+        }
+        // At the end of the file.
+        let text = "[a]\nk = { j = [1, 2]";
+        let error = toml::from_str::<toml::Table>(text).unwrap_err();
+        let source = Source::new(text, "s");
+        let said = slip(error.message(), &source, error.span().unwrap().start);
+        assert_eq!(said, Some(open("table", 5, '}')));
+    }
+
+    #[test]
+    fn habits_of_other_languages() {
+        let round = "found (, needed [: a list has square brackets";
+        let colon = "found :, needed = between a key and its value";
+        let sum = "needed the number it comes to, in digits";
+        for (line, expected) in [
+            ("k = [(0, 0), (1, 1)]", format!("6: {round}")),
+            ("k = (0, 1)", format!("7: {round}")),
+            ("k = { j = (0, 1) }", format!("11: {round}")),
+            ("k = “x”", "5: found “x”, needed straight quotes: \"x\"".into()),
+            ("k = [1, sqrt(2)/2, 1]", format!("9: found sqrt(2)/2, {sum}")),
+            ("k = [1, 2*3]", format!("9: found 2*3, {sum}")),
+            ("k = null", "5: found null, needed a value: to give none, leave out the key".into()),
+            ("k = None", "5: found None, needed a value: to give none, leave out the key".into()),
+            ("k = True", "5: found True, needed true".into()),
+            ("k : 1", format!("3: {colon}")),
+            ("k = { j: 1 }", format!("10: {colon}")),
+            ("k = { \"j\": 1 }", format!("10: {colon}")),
         ] {
             assert_eq!(said(line), expected, "{line}");
         }

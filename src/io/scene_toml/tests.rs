@@ -134,8 +134,14 @@ fn broken_toml() {
             "# ä\n[[object]]\nshape = { sphere = { radius = 1,5 } }",
             "s.toml:3:35: found 1,5, needed 1.5 if it is one number, [1, 5] if it is a list",
         ),
-        ("[[object]]\nshape = { sphere = {", "s.toml:2:21: unclosed inline table, expected \"}\""),
-        ("[camera]\nup = [0, 0", "s.toml:2:11: unclosed array, expected \"]\""),
+        (
+            "[[object]]\nshape = { sphere = {",
+            "s.toml:2:21: the table that begins at 2:20 is not closed: needed }",
+        ),
+        (
+            "[camera]\nup = [0, 0",
+            "s.toml:2:11: the list that begins at 2:6 is not closed: needed ]",
+        ),
         ("[camera]\nup = [0, 0, 1]\nup = [0, 0, 1]", "s.toml:3:1: key \"up\" is given twice"),
         (
             "[object.trims]\nloops = []\n[[object]]\nshape = 'plane'",
