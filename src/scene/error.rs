@@ -11,7 +11,7 @@ use super::{
 };
 use crate::geometry::construct::ConstructError;
 use crate::geometry::shapes::ShapeError;
-use crate::geometry::trim::{TrimCurveError, TrimError};
+use crate::geometry::trim::{TrimCurveError, TrimError, TrimLoopError};
 use crate::geometry::{CurveError, LimitError, MoveError, SurfaceError, TriangleError};
 use crate::intersect::BuildError;
 
@@ -280,6 +280,13 @@ impl SceneFault {
             Self::OnlyPlots => {
                 " (`nurbray plot` draws the plots; to trace, write an [[object]], with a shape such \
                  as \"sphere\")"
+            }
+            Self::Trims {
+                error: TrimError::Loop { error: TrimLoopError::Open { curve: 0, next: 0, .. }, .. },
+                ..
+            } => {
+                " (one curve alone must end where it begins; only a loop { polygon = … }, not one of \
+                 curves, closes by itself)"
             }
             _ => "",
         }

@@ -144,6 +144,10 @@ fn trims_that_cannot_be_are_named() {
             "5:23: found a list of 3 numbers, needed two numbers, [u, v]",
         ),
         (
+            "loops = [{ curves = [{ polygon = [[0.1, 0.1], [0.9, 0.1], [0.9, 0.9]] }] }]",
+            "5:22: surface \"sheet\": trims: loop 0: the loop is open: curve 0 ends at (0.9, 0.9), but curve 0 begins (-0.8, -0.8) away from there; gaps up to (0.0008, 0.0008) are closed (one curve alone must end where it begins; only a loop { polygon = … }, not one of curves, closes by itself)",
+        ),
+        (
             "loops = [{ ring = 1 }]",
             "5:12: unknown loop \"ring\"; known: polygon, polyline, circle, curves",
         ),
