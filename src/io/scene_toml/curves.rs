@@ -10,7 +10,9 @@ use super::transforms::TransformKeys;
 use super::values::{Exactly, Number, Point};
 use super::{LoadError, Reader};
 use crate::geometry::shapes::QuarticArc;
-use crate::scene::{BSplineEnds, CurveKind, CurveSpec, Knots, Place, UnknownName, Written};
+use crate::scene::{
+    BSplineEnds, CurveKind, CurveSpec, Knots, Place, Transform, UnknownName, Written,
+};
 
 /// A curve's table.
 pub(super) struct CurveKeys(CurveTable);
@@ -90,12 +92,14 @@ const CUBIC: u32 = 3;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CircleKeys {
+    center: Option<Spanned<Point>>,
     radius: Number,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ArcKeys {
+    center: Option<Spanned<Point>>,
     radius: Number,
     from: Option<Number>,
     degrees: Number,
@@ -127,8 +131,13 @@ impl Reader<'_, '_> {
         let place = self.source.place(keys.span().start);
         let CurveKeys(keys) = keys.into_inner();
         let points = |points: Vec<Point>| points.into_iter().map(|point| point.0).collect();
-        let arc =
-            |radius: Number, from: f64, degrees| CurveKind::Arc { radius: radius.0, from, degrees };
+        // A centre is short for the first step of the transform.
+        let mut transform = Vec::new();
+        let mut arc = |center: Option<Spanned<Point>>, radius: Number, from, degrees| {
+            let step = |center: Point| Transform::Translate(center.0);
+            transform.extend(center.map(|center| self.written(center, step)));
+            CurveKind::Arc { radius: radius.0, from, degrees }
+        };
         let kinds = [
             keys.nurbs.map(|Keyed(keys)| self.nurbs_curve(keys)),
             keys.polyline.map(|list| CurveKind::Polyline(points(list))),
@@ -146,9 +155,10 @@ impl Reader<'_, '_> {
                 points: points(keys.points),
                 derivatives: points(keys.derivatives),
             }),
-            keys.circle.map(|Keyed(keys)| arc(keys.radius, 0.0, 360.0)),
+            keys.circle.map(|Keyed(keys)| arc(keys.center, keys.radius, 0.0, 360.0)),
             keys.arc.map(|Keyed(keys)| {
-                arc(keys.radius, keys.from.map_or(0.0, |from| from.0), keys.degrees.0)
+                let from = keys.from.map_or(0.0, |from| from.0);
+                arc(keys.center, keys.radius, from, keys.degrees.0)
             }),
             keys.note_circle.map(|name| self.note_circle(name)).transpose()?,
             keys.quarter_circle_2
@@ -160,7 +170,7 @@ impl Reader<'_, '_> {
             let message = format!("curve: needed is one, and only one, of {KINDS}");
             return Err(LoadError::malformed(place, message));
         };
-        let transform = keys.transform.into_iter().map(|step| self.transform(step)).collect();
+        transform.extend(keys.transform.into_iter().map(|step| self.transform(step)));
         Ok(CurveSpec { place, kind, transform, reverse: keys.reverse })
     }
 

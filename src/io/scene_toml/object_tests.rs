@@ -74,6 +74,23 @@ fn what_cannot_be_made_from_curves_is_told() {
 }
 
 #[test]
+fn a_centre_is_the_first_step_of_a_circle_s_transform() {
+    let arc = |keys: &str, steps: &str| {
+        let profile =
+            format!("{{ arc = {{ {keys} radius = 2, degrees = 90 }}, transform = [{steps}] }}");
+        let text =
+            format!("[[object]]\nshape.extrusion = {{ profile = {profile}, by = [0, 0, 1] }}");
+        World::new(&scene(&text)).unwrap().surfaces[0].surface.point_at(DVec2::new(0.3, 0.6))
+    };
+    for (center, step) in [("[1, 2]", "[1, 2, 0]"), ("[1, 2, 3]", "[1, 2, 3]")] {
+        assert_eq!(
+            arc(&format!("center = {center},"), "{ scale = 3 }"),
+            arc("", &format!("{{ translate = {step} }}, {{ scale = 3 }}"))
+        );
+    }
+}
+
+#[test]
 fn nets_are_drawn_of_objects_that_have_surfaces_of_their_own() {
     let ball = "[[object]]\nname = 'ball'\nshape = { octant = {} }\n\
         transform = [{ translate = [0, 0, 5] }]\n";

@@ -25,6 +25,9 @@ fn error(text: &str) -> String {
 #[test]
 fn loops_of_every_kind_cut() {
     let hole = "{ circle = { center = [0.5, 0.5], radius = 0.2 } }";
+    let placed = "{ curves = [{ circle = { center = [0.5, 0.5], radius = 0.2 } }] }";
+    let halves = "{ curves = [{ arc = { center = [0.5, 0.5], radius = 0.2, degrees = 180 } },
+        { arc = { center = [0.5, 0.5], radius = 0.2, from = 180, degrees = 180 } }] }";
     let square = "{ polygon = [[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]] }";
     let ring = "{ curves = [
         { arc = { radius = 0.2, degrees = 180 }, transform = [{ translate = [0.5, 0.5, 0] }] },
@@ -35,6 +38,8 @@ fn loops_of_every_kind_cut() {
     for (loops, keep, middle) in [
         (hole.to_owned(), "outside", false),
         (hole.to_owned(), "inside", true),
+        (placed.to_owned(), "outside", false),
+        (halves.to_owned(), "inside", true),
         (square.to_owned(), "outside", false),
         (ring.to_owned(), "outside", false),
         (format!("{square}, {hole}"), "inside", false),
@@ -140,12 +145,12 @@ fn trims_that_cannot_be_are_named() {
             "4:1: surface \"sheet\": trims: they keep no part of the surface",
         ),
         (
-            "loops = [{ polygon = [[0, 0, 0]] }]",
-            "5:23: found a list of 3 numbers, needed two numbers, [u, v]",
-        ),
-        (
             "loops = [{ curves = [{ polygon = [[0.1, 0.1], [0.9, 0.1], [0.9, 0.9]] }] }]",
             "5:22: surface \"sheet\": trims: loop 0: the loop is open: curve 0 ends at (0.9, 0.9), but curve 0 begins (-0.8, -0.8) away from there; gaps up to (0.0008, 0.0008) are closed (one curve alone must end where it begins; only a loop { polygon = … }, not one of curves, closes by itself)",
+        ),
+        (
+            "loops = [{ polygon = [[0, 0, 0]] }]",
+            "5:23: found a list of 3 numbers, needed two numbers, [u, v]",
         ),
         (
             "loops = [{ ring = 1 }]",
