@@ -12,9 +12,9 @@ const KINDS: [(&str, &str); 5] = [
     ("circle", "loop"),
 ];
 
-/// Keys written in the wrong table, or in the wrong unit: the key, a key that this table does have,
-/// and what to write instead.
-const ELSEWHERE: [(&str, &str, &str); 18] = [
+/// Keys and names that stand in the wrong table, are in the wrong unit, or have another name here:
+/// the key, a key that this table does have, and what to write instead.
+const ELSEWHERE: [(&str, &str, &str); 26] = [
     ("radians", "degrees", "degrees = …"),
     ("fov", "perspective", "perspective = { fov = … }"),
     ("height", "orthographic", "orthographic = { height = … }"),
@@ -33,6 +33,61 @@ const ELSEWHERE: [(&str, &str, &str); 18] = [
     ("transform", "knots_u", "it under [[object]], above the tables of its shape"),
     ("material", "knots_u", "it under [[object]], above the tables of its shape"),
     ("plane", "net", "it under [[plot]], above the tables of what it shows"),
+    ("order", "degree", "degree = …, which is the order less 1"),
+    ("center", "radius", "transform = [{ translate = [x, y, z] }] under [[object]]"),
+    ("knots", "ends", "nurbs = { … } instead of bspline: it has knots, \"uniform\" ones too"),
+    ("weights", "ends", "nurbs = { …, knots = \"uniform\", weights = … } instead of bspline"),
+    ("clamped", "ends", "nurbs = { … } instead of bspline: it is clamped if no knots are given"),
+    ("file", "note_circle", "nurbs = { … }: only surfaces are read from files"),
+    ("de_boor", "de_casteljau", "de_casteljau = { … }: of a spline it shows de Boor's algorithm"),
+    ("bernstein", "basis", "basis = { degree = n, count = n + 1 }"),
+];
+
+/// Names of curves, which have tables of their own.
+const CURVES: [&str; 12] = [
+    "nurbs",
+    "polyline",
+    "bezier",
+    "through",
+    "bspline",
+    "catmull_rom",
+    "hermite",
+    "circle",
+    "arc",
+    "note_circle",
+    "quarter_circle_2",
+    "quarter_circle_4",
+];
+
+/// Tables where a curve stands deeper: a key or name that is known there, and what to write around
+/// the curve.
+const AROUND_CURVES: [(&str, [&str; 2]); 3] = [
+    ("circle", ["{ curves = [{ ", " }] }"]),
+    ("label", ["curve = { ", " }"]),
+    ("de_casteljau", ["{ curves = [{ curve = { ", " } }] }"]),
+];
+
+/// Keys whose values are often written as another kind of value, and what these look like.
+const EXAMPLES: [(&str, &str); 19] = [
+    ("rotate", "{ axis = \"z\", degrees = 90 }"),
+    ("nurbs", "{ degree = …, points = […] }"),
+    ("through", "{ points = […] }"),
+    ("bspline", "{ degree = 3, points = […] }"),
+    ("catmull_rom", "{ points = […] }"),
+    ("hermite", "{ points = […], derivatives = […] }"),
+    ("circle", "{ center = [0, 0], radius = 1 }"),
+    ("arc", "{ radius = 1, degrees = 90 }"),
+    ("curve", "{ bezier = […] }"),
+    ("basis", "{ degree = 3, count = 4 }"),
+    ("derivatives", "{ curve = { … } }"),
+    ("curvature", "{ curve = { … } }"),
+    ("de_casteljau", "{ curve = { … }, t = 0.5 }"),
+    ("trims", "{ loops = [{ … }] }, of a plot { of = \"…\" }"),
+    ("keep", "\"inside\""),
+    ("blending", "\"bspline\""),
+    ("scheme", "\"chaikin\""),
+    ("plane", "\"xy\""),
+    ("caps", "\"round\""),
 ];
 
 /// Messages of the TOML parser, and what they say in plain words.
@@ -131,15 +186,35 @@ fn unknown(what: &'static str, rest: &str) -> String {
     let mut quoted = rest.split('`').skip(1).step_by(2);
     let name = quoted.next().unwrap_or_default();
     let known: Vec<&str> = quoted.collect();
+    let kind = KINDS.iter().find(|(member, _)| what == "name" && known.contains(member));
+    let what = kind.map_or(what, |(_, kind)| kind);
     let meant = |(key, sibling, _): &&(&str, &str, &str)| *key == name && known.contains(sibling);
     if let Some((_, _, write)) = ELSEWHERE.iter().find(meant) {
-        return format!("unknown key \"{name}\"; write {write}");
+        return format!("unknown {what} \"{name}\"; write {write}");
+    }
+    let around = AROUND_CURVES.iter().find(|(sibling, _)| known.contains(sibling));
+    if let Some((_, [open, close])) = around.filter(|_| CURVES.contains(&name)) {
+        return format!("unknown {what} \"{name}\"; write {open}{name} = …{close}");
     }
     if name.contains('.') && known.contains(&"file") {
         return format!("unknown shape \"{name}\"; write {{ file = \"{name}\" }}");
     }
-    let kind = KINDS.iter().find(|(member, _)| what == "name" && known.contains(member));
-    UnknownName::new(kind.map_or(what, |(_, kind)| kind), name, &known).to_string()
+    UnknownName::new(what, name, &known).to_string()
+}
+
+/// The message, with an example if it asks for a table or a name and the key in front of the value
+/// is one of [`EXAMPLES`]; `before` is the text up to the value.
+pub(super) fn with_example(message: String, before: &str) -> String {
+    let Some(before) = before.trim_end().strip_suffix('=') else { return message };
+    let word = before.trim_end().rsplit(|c: char| !c.is_alphanumeric() && c != '_').next();
+    let fits = |(key, example): &&(&str, &str)| {
+        let asked = if example.starts_with('{') { "a table" } else { "a name in quotes" };
+        Some(*key) == word && message.ends_with(&format!("needed {asked}"))
+    };
+    match EXAMPLES.iter().find(fits) {
+        Some((key, example)) => format!("{message}, as in {key} = {example}"),
+        None => message,
+    }
 }
 
 /// Returns a parser's name of a type in plain words.

@@ -121,7 +121,7 @@
 //! [[object]]
 //! name = "lid"
 //! [object.shape.nurbs]
-//! degree = [2, 1]                        # or one number for both
+//! degree = [2, 1]                        # or one number for both; the order less 1
 //! knots_u = [0, 0, 0, 1, 1, 1]           # each knot; or [knot, times]: [[0, 3], [1, 3]]
 //! knots_v = [[0, 2], [1, 2]]             # clamped and uniform on [0, 1] if not given; or a
 //!                                        # name: "clamped", "uniform", or "periodic" (closed)
@@ -215,7 +215,7 @@ use self::values::{Number, Vector};
 use super::LoadError;
 use super::geomdl::Model;
 use super::keyed::Keyed;
-use super::message::explain;
+use super::message::{explain, with_example};
 use super::source::Source;
 use crate::math::Shown;
 use crate::scene::{
@@ -243,6 +243,7 @@ pub fn read_scene(
         let span = error.span().unwrap_or(0..0);
         let message = slip(error.message(), &source, span.start)
             .unwrap_or_else(|| explain(error.message(), source.slice(span.clone())));
+        let message = with_example(message, source.slice(0..span.start));
         LoadError::malformed(source.place(span.start), message)
     })?;
     let mut reader = Reader { source, notes: Vec::new(), read_model };

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::values::Vector;
+use super::values::Point;
 use super::{LoadError, Reader};
 use crate::geometry::{BoundaryRule, Cage, CageParts, Corner, Crease};
 use crate::io::cage_offsets::CageOffsets;
-use crate::io::keyed::Keyed;
+use crate::io::keyed::{Keyed, Named};
 use crate::io::nearby::stem;
 use crate::scene::{Place, Scheme, Shape, Subdivision};
 
@@ -18,13 +18,13 @@ use crate::scene::{Place, Scheme, Shape, Subdivision};
 #[serde(deny_unknown_fields)]
 pub(super) struct SubdivisionKeys {
     file: Option<Spanned<String>>,
-    points: Option<Vec<Spanned<Vector>>>,
+    points: Option<Vec<Spanned<Point>>>,
     faces: Option<Vec<Spanned<Vec<usize>>>>,
     #[serde(default)]
     creases: Vec<Spanned<Keyed<SharpKeys>>>,
     #[serde(default)]
     corners: Vec<Spanned<Keyed<SharpKeys>>>,
-    boundary: Option<Spanned<BoundaryKey>>,
+    boundary: Option<Spanned<Named<BoundaryKey>>>,
     tolerance: Option<Spanned<f64>>,
 }
 
@@ -109,7 +109,7 @@ impl Reader<'_, '_> {
         let mut parts = CageParts {
             positions: points.into_iter().map(|point| point.into_inner().0).collect(),
             faces: faces.into_iter().map(Spanned::into_inner).collect(),
-            boundary: match keys.boundary.map(Spanned::into_inner) {
+            boundary: match keys.boundary.map(|boundary| boundary.into_inner().0) {
                 Some(BoundaryKey::EdgeOnly) => BoundaryRule::EdgeOnly,
                 Some(BoundaryKey::EdgeAndCorner) | None => BoundaryRule::EdgeAndCorner,
             },

@@ -3,10 +3,9 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::super::keyed::Keyed;
+use super::super::keyed::{Keyed, Named};
 use super::curves::CurveKeys;
-use super::values::Measures;
-use super::values::{Axis, Number, Vector};
+use super::values::{Axis, Degree, Measures, Number, Vector};
 use super::{LoadError, Reader};
 use crate::geometry::construct::{Caps, NetStyle, RibbonStyle, SweepOptions, TubeStyle};
 use crate::scene::{Construction, Written};
@@ -100,7 +99,7 @@ impl ConstructionKeys for CoonsKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct LoftKeys {
     sections: Vec<Spanned<CurveKeys>>,
-    degree: Option<Spanned<u32>>,
+    degree: Option<Spanned<Degree>>,
 }
 
 impl ConstructionKeys for LoftKeys {
@@ -108,7 +107,7 @@ impl ConstructionKeys for LoftKeys {
         let sections = self.sections.into_iter().map(|curve| reader.curve(curve));
         Ok(Construction::Loft {
             sections: sections.collect::<Result<_, _>>()?,
-            degree: noted("degree", self.degree, measures).map(|degree| degree as usize),
+            degree: noted("degree", self.degree, measures).map(|degree| degree.0 as usize),
         })
     }
 }
@@ -145,13 +144,13 @@ pub(super) struct TubeKeys {
     curve: Spanned<CurveKeys>,
     radius: Spanned<Number>,
     #[serde(default)]
-    caps: CapsKey,
+    caps: Named<CapsKey>,
     tolerance: Option<Spanned<Number>>,
 }
 
 impl ConstructionKeys for TubeKeys {
     fn construction(self: Box<Self>, reader: &Reader<'_, '_>, measures: &mut Measures) -> Built {
-        let caps = match self.caps {
+        let caps = match self.caps.0 {
             CapsKey::Open => Caps::Open,
             CapsKey::Flat => Caps::Flat,
             CapsKey::Round => Caps::Round,

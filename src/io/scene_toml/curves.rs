@@ -7,7 +7,7 @@ use super::super::keyed::Keyed;
 use super::kinds::OneOf;
 use super::knot_list::KnotList;
 use super::transforms::TransformKeys;
-use super::values::{Exactly, Number, Point};
+use super::values::{Degree, Exactly, Number, Point, Whole};
 use super::{LoadError, Reader};
 use crate::geometry::shapes::QuarticArc;
 use crate::scene::{
@@ -48,7 +48,7 @@ struct CurveTable {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct NurbsCurveKeys {
-    degree: u32,
+    degree: Degree,
     knots: Option<Spanned<KnotList>>,
     points: Spanned<Vec<Point>>,
     weights: Option<Vec<Number>>,
@@ -57,14 +57,14 @@ struct NurbsCurveKeys {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ThroughKeys {
-    degree: Option<u32>,
+    degree: Option<Degree>,
     points: Vec<Point>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BSplineKeys {
-    degree: Option<u32>,
+    degree: Option<Degree>,
     points: Vec<Point>,
     ends: Option<Spanned<[u32; 2]>>,
     #[serde(default)]
@@ -87,7 +87,7 @@ struct HermiteKeys {
 }
 
 /// The degree of a spline, if none is given.
-const CUBIC: u32 = 3;
+const CUBIC: Degree = Whole(3);
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -144,7 +144,7 @@ impl Reader<'_, '_> {
             keys.bezier.map(|list| CurveKind::Bezier(points(list))),
             keys.through.map(|Keyed(keys)| CurveKind::Through {
                 points: points(keys.points),
-                degree: keys.degree.unwrap_or(CUBIC) as usize,
+                degree: keys.degree.unwrap_or(CUBIC).0 as usize,
             }),
             keys.bspline.map(|Keyed(keys)| self.bspline(keys)).transpose()?,
             keys.catmull_rom.map(|Keyed(keys)| CurveKind::CatmullRom {
@@ -188,7 +188,7 @@ impl Reader<'_, '_> {
             }
         };
         let points = keys.points.into_iter().map(|point| point.0).collect();
-        Ok(CurveKind::BSpline { points, degree: keys.degree.unwrap_or(CUBIC) as usize, ends })
+        Ok(CurveKind::BSpline { points, degree: keys.degree.unwrap_or(CUBIC).0 as usize, ends })
     }
 
     fn note_circle(&self, name: Spanned<String>) -> Result<CurveKind, LoadError> {
@@ -240,6 +240,6 @@ impl Reader<'_, '_> {
         };
         let points = keys.points.into_inner().into_iter().map(|point| point.0).collect();
         let weights = keys.weights.map(|list| list.into_iter().map(|w| w.0).collect());
-        CurveKind::Nurbs { degree: keys.degree as usize, knots, points, weights }
+        CurveKind::Nurbs { degree: keys.degree.0 as usize, knots, points, weights }
     }
 }

@@ -15,7 +15,8 @@ use super::plots::{FigureKeys, PlotKeys};
 use super::transforms::TransformKeys;
 use super::trims::TrimKeys;
 use super::values::{
-    Color, Count, Emission, Exactly, Measures, NetPoint, Number, PerDirection, Vector,
+    Color, Count, Degree, Degrees, Emission, Exactly, Measures, NetPoint, Number, PerDirection,
+    TrianglePoint, Vector,
 };
 use crate::geometry::shapes::OctantConstants;
 use crate::scene::{NamedShape, Scheme};
@@ -281,7 +282,7 @@ pub(super) type Grid<T> = Vec<Spanned<Vec<T>>>;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct NurbsKeys {
-    pub(super) degree: PerDirection,
+    pub(super) degree: Degrees,
     pub(super) knots_u: Option<Spanned<KnotList>>,
     pub(super) knots_v: Option<Spanned<KnotList>>,
     pub(super) points: Spanned<Grid<NetPoint>>,
@@ -291,8 +292,8 @@ pub(super) struct NurbsKeys {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TriangleKeys {
-    pub(super) degree: Spanned<u32>,
-    pub(super) points: Spanned<Vec<Spanned<Vector>>>,
+    pub(super) degree: Spanned<Degree>,
+    pub(super) points: Spanned<Vec<Spanned<TrianglePoint>>>,
     pub(super) weights: Option<Spanned<Vec<Spanned<f64>>>>,
 }
 

@@ -111,7 +111,7 @@ impl TryFrom<Loose> for KnotEntry {
                 }
                 _ => Err(value.but_needed("a knot, or [knot, times]")),
             },
-            Loose::Text(_) => Err(value.but_needed("a knot, or [knot, times]")),
+            Loose::Text(_) | Loose::Lists => Err(value.but_needed("a knot, or [knot, times]")),
         }
     }
 }

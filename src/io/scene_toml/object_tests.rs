@@ -236,7 +236,7 @@ fn broken_nets() {
         ),
         (
             format!("degree = -1\n{points}"),
-            "4:10: found -1, needed a whole number from 0 on, or two as [u, v]",
+            "4:10: found -1, needed a whole number from 1 to 32, or two as [u, v]",
         ),
         ("degree = 1\n".to_owned(), "3:1: missing key \"points\""),
         (
@@ -244,8 +244,8 @@ fn broken_nets() {
             "6:2: surface \"lid\": row 1 of points has 1, but row 0 has 2",
         ),
         (
-            "degree = 1\npoints = [[[0,0,0],[0,1]]]".to_owned(),
-            "5:20: found a list of 2 numbers, needed three numbers, [x, y, z]",
+            "degree = 1\npoints = [[[0,0,0],[0]]]".to_owned(),
+            "5:20: found a list of 1 number, needed [x, y, z], or [x, y]",
         ),
         (
             "degree = 1\npoints = [[0,0,0],[0,1,0],[1,0,0],[1,1,0]]".to_owned(),

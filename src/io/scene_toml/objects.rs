@@ -7,7 +7,7 @@ use toml::Spanned;
 
 use super::keys::{Grid, NurbsKeys, ObjectKeys, ShapeKeys, ShapeSource, TriangleKeys};
 use super::kinds::OneOf;
-use super::transforms::{Rotation, TransformKeys};
+use super::transforms::TransformKeys;
 use super::values::Measures;
 use super::{LoadError, Reader};
 use crate::geometry::NurbsSurface;
@@ -34,7 +34,7 @@ impl Reader<'_, '_> {
     pub(super) fn transform(&self, OneOf(step): OneOf<TransformKeys>) -> Written<Transform> {
         match step {
             TransformKeys::Translate(by) => self.written(by, |by| Transform::Translate(by.0)),
-            TransformKeys::Rotate(Rotation(keys)) => {
+            TransformKeys::Rotate(Keyed(keys)) => {
                 let degrees = keys.degrees.0;
                 self.written(keys.axis, |axis| Transform::Rotate { axis: axis.0, degrees })
             }
@@ -126,7 +126,7 @@ impl Reader<'_, '_> {
             let weights = weights.map(|weight| self.written(weight, |weight| weight)).collect();
             Written::new(weights, place)
         });
-        let degree = self.written(keys.degree, |degree| degree as usize);
+        let degree = self.written(keys.degree, |degree| degree.0 as usize);
         TriangleNet { degree, points, weights }
     }
 

@@ -3,11 +3,11 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::super::keyed::Keyed;
+use super::super::keyed::{Keyed, Named};
 use super::curves::CurveKeys;
 use super::kinds::{Kinds, OneOf};
 use super::knot_list::KnotList;
-use super::values::{Count, Exactly, Number, Point};
+use super::values::{BasisDegree, Count, Exactly, Number, Point};
 use super::{LoadError, Reader};
 use crate::geometry::{CornerCutting, MatrixForm, PolygonEnds};
 use crate::scene::{
@@ -26,7 +26,7 @@ pub(super) struct FigureKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct PlotKeys {
     title: Option<Spanned<String>>,
-    plane: Option<Spanned<PlaneKey>>,
+    plane: Option<Spanned<Named<PlaneKey>>>,
     show: Spanned<OneOf<ShowKeys>>,
 }
 
@@ -43,7 +43,7 @@ enum PlaneKey {
 enum ShowKeys {
     Curves(Vec<Keyed<EntryKeys>>),
     Basis(Spanned<Keyed<BasisKeys>>),
-    Blending(FormKey),
+    Blending(Named<FormKey>),
     Derivatives(Keyed<OneCurveKeys>),
     Curvature(Keyed<OneCurveKeys>),
     Comb(Keyed<CombKeys>),
@@ -92,7 +92,7 @@ fn yes() -> bool {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BasisKeys {
-    degree: u32,
+    degree: BasisDegree,
     knots: Option<Spanned<KnotList>>,
     count: Option<u32>,
     weights: Option<Spanned<Vec<Number>>>,
@@ -149,7 +149,7 @@ struct DeCasteljauKeys {
 #[serde(deny_unknown_fields)]
 struct CornerCuttingKeys {
     polygon: Vec<Point>,
-    scheme: SchemeKey,
+    scheme: Named<SchemeKey>,
     rounds: Option<u32>,
     #[serde(default)]
     closed: bool,
@@ -217,7 +217,7 @@ impl Reader<'_, '_> {
             );
             return Err(LoadError::malformed(place, message));
         }
-        let plane = keys.plane.map(|plane| match plane.into_inner() {
+        let plane = keys.plane.map(|plane| match plane.into_inner().0 {
             PlaneKey::Xy => Plane::Xy,
             PlaneKey::Xz => Plane::Xz,
             PlaneKey::Yz => Plane::Yz,
@@ -236,7 +236,7 @@ impl Reader<'_, '_> {
                 PlotKind::Curves(entries.collect::<Result<_, _>>()?)
             }
             ShowKeys::Basis(keys) => PlotKind::Basis(self.basis(keys)),
-            ShowKeys::Blending(form) => PlotKind::Blending(match form {
+            ShowKeys::Blending(Named(form)) => PlotKind::Blending(match form {
                 FormKey::Bezier => MatrixForm::Bezier,
                 FormKey::Bspline => MatrixForm::BSpline,
                 FormKey::Hermite => MatrixForm::Hermite,
@@ -269,7 +269,7 @@ impl Reader<'_, '_> {
             },
             ShowKeys::CornerCutting(Keyed(keys)) => PlotKind::CornerCutting {
                 polygon: keys.polygon.into_iter().map(|point| point.0).collect(),
-                scheme: match keys.scheme {
+                scheme: match keys.scheme.0 {
                     SchemeKey::Chaikin => CornerCutting::Chaikin,
                     SchemeKey::Cubic => CornerCutting::Cubic,
                 },
@@ -294,7 +294,7 @@ impl Reader<'_, '_> {
         };
         let weights = |list: Vec<Number>| list.into_iter().map(|weight| weight.0).collect();
         BasisSpec {
-            degree: keys.degree as usize,
+            degree: keys.degree.0 as usize,
             knots,
             count: keys.count.map(|count| count as usize),
             weights: keys.weights.map(|list| self.written(list, weights)),

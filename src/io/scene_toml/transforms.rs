@@ -1,28 +1,19 @@
 //! The keys of transforms.
 
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
 use toml::Spanned;
 
 use super::kinds::Kinds;
 use super::values::{Axis, Exactly, Factors, Number, Vector};
-use crate::io::keyed::keyed;
+use crate::io::keyed::Keyed;
 
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum TransformKeys {
     Translate(Spanned<Vector>),
-    Rotate(Rotation),
+    Rotate(Keyed<RotateKeys>),
     Scale(Spanned<Factors>),
     Matrix(Spanned<Exactly<Exactly<Number, 4>, 3>>),
-}
-
-/// The keys of a rotation.
-pub(super) struct Rotation(pub(super) RotateKeys);
-
-impl<'de> Deserialize<'de> for Rotation {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        keyed(deserializer, "a table, as in rotate = { axis = \"z\", degrees = 90 }").map(Self)
-    }
 }
 
 impl Kinds for TransformKeys {

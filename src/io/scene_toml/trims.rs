@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::super::keyed::Keyed;
+use super::super::keyed::{Keyed, Named};
 use super::curves::CurveKeys;
 use super::kinds::{Kinds, OneOf};
 use super::values::{Number, Pair};
@@ -15,7 +15,7 @@ use crate::scene::{LoopKind, LoopSpec, Part, TrimSpec};
 #[serde(deny_unknown_fields)]
 pub(super) struct TrimKeys {
     #[serde(default)]
-    keep: KeepKey,
+    keep: Named<KeepKey>,
     loops: Vec<Spanned<OneOf<LoopKeys>>>,
 }
 
@@ -67,7 +67,7 @@ impl Reader<'_, '_> {
             return Err(LoadError::malformed(place, message));
         }
         let Keyed(keys) = keys.into_inner();
-        let kept = match keys.keep {
+        let kept = match keys.keep.0 {
             KeepKey::Inside => Kept::Odd,
             KeepKey::Outside => Kept::Even,
         };

@@ -1,7 +1,9 @@
 //! The errors about keys, names and values that mean nothing.
 
+use glam::DVec2;
+
 use super::tests::{error, scene};
-use crate::scene::Plane;
+use crate::scene::{Plane, World};
 
 /// A sphere, and these lines after it.
 fn with_sphere(lines: &str) -> String {
@@ -233,7 +235,7 @@ fn lists_are_no_tables() {
         ("[[object]]\nshape = { sphere = [2] }", "4:20"),
         ("[[object]]\nshape = { sphere = [] }", "4:20"),
         ("[[object]]\nshape = { deck_patch = [] }", "4:24"),
-        ("[[object]]\nshape = { nurbs = [[1, 1]] }", "4:19"),
+        ("[[object]]\nshape = { plane = [1, 1] }", "4:19"), // which is a name in plots
         ("[[light]]\nambient = [1]", "4:11"),
         ("[[material]]\nname = 'm'\nlines = [8]", "5:9"),
         ("[[material]]\nname = 'm'\nchecker = [8]", "5:11"),
@@ -243,10 +245,31 @@ fn lists_are_no_tables() {
         let message = format!("s.toml:{place}: found a list, needed a table");
         assert_eq!(error(&with_sphere(lines)), message, "{lines}");
     }
-    assert_eq!(
-        error(&with_sphere("transform = [{ rotate = [0, 0, 90] }]")),
-        "s.toml:3:25: found a list, needed a table, as in rotate = { axis = \"z\", degrees = 90 }"
-    );
+    // What is often written so has an example.
+    for (lines, message) in [
+        (
+            "transform = [{ rotate = [0, 0, 90] }]",
+            "3:25: found a list, needed a table, as in rotate = { axis = \"z\", degrees = 90 }",
+        ),
+        (
+            "[[object]]\nshape = { nurbs = [[1, 1]] }",
+            "4:19: found a list, needed a table, as in nurbs = { degree = …, points = […] }",
+        ),
+        (
+            "[[plot]]\nshow.curves = [{ curve = { bspline = [[0, 0], [1, 1]] } }]",
+            "4:38: found a list, needed a table, as in bspline = { degree = 3, points = […] }",
+        ),
+        (
+            "trims = [{ circle = { center = [0.5, 0.5], radius = 0.1 } }]",
+            "3:9: found a list, needed a table, as in trims = { loops = [{ … }] }, of a plot { of = \"…\" }",
+        ),
+        (
+            "[[plot]]\nshow.basis = 3",
+            "4:14: found integer 3, needed a table, as in basis = { degree = 3, count = 4 }",
+        ),
+    ] {
+        assert_eq!(error(&with_sphere(lines)), format!("s.toml:{message}"), "{lines}");
+    }
     for text in ["camera = [1]", "render = [1]", "object = [[1]]", "material = [[1]]"] {
         assert!(error(text).ends_with(": found a list, needed a table"), "{text}: {}", error(text));
     }
@@ -258,6 +281,153 @@ fn lists_are_no_tables() {
         error(&with_sphere("transform = { scale = 2 }")),
         "s.toml:3:13: found a table, needed a list: write [{ … }]"
     );
+}
+
+/// The parser would accept a table with the name as a key, too.
+#[test]
+fn names_are_text() {
+    let needed = "needed a name in quotes, as in blending = \"bspline\"";
+    for (blending, found) in [
+        ("{ bezier = {} }", "found a table"),
+        ("{ bezier = 3 }", "found a table"),
+        ("['bezier']", "found a list"),
+        ("3", "found integer 3"),
+    ] {
+        let message = error(&format!("[[plot]]\nshow = {{ blending = {blending} }}"));
+        assert_eq!(message, format!("s.toml:2:21: {found}, {needed}"), "{blending}");
+    }
+    assert_eq!(
+        error(&with_sphere("trims = { keep = ['inside'], loops = [] }")),
+        "s.toml:3:18: found a list, needed a name in quotes, as in keep = \"inside\""
+    );
+}
+
+#[test]
+fn what_is_written_elsewhere_or_called_otherwise_is_told() {
+    let curve = |keys: &str| format!("[[plot]]\nshow.curves = [{{ curve = {{ {keys} }} }}]");
+    let points = "points = [[0, 0], [1, 2], [2, 0], [3, 1]]";
+    for (text, message) in [
+        (
+            curve(&format!("nurbs = {{ order = 3, {points} }}")),
+            "2:38: unknown key \"order\"; write degree = …, which is the order less 1",
+        ),
+        (
+            curve(&format!("bspline = {{ knots = [0, 1], {points} }}")),
+            "2:40: unknown key \"knots\"; write nurbs = { … } instead of bspline: it has knots, \
+             \"uniform\" ones too",
+        ),
+        (
+            curve(&format!("bspline = {{ weights = [1, 2, 1, 1], {points} }}")),
+            "2:40: unknown key \"weights\"; write nurbs = { …, knots = \"uniform\", weights = … } \
+             instead of bspline",
+        ),
+        (
+            curve(&format!("bspline = {{ clamped = true, {points} }}")),
+            "2:40: unknown key \"clamped\"; write nurbs = { … } instead of bspline: it is clamped \
+             if no knots are given",
+        ),
+        (
+            curve("file = 'rim.json'"),
+            "2:28: unknown key \"file\"; write nurbs = { … }: only surfaces are read from files",
+        ),
+        (
+            "[[object]]\nshape = { sphere = { center = [0, 0, 1] } }".into(),
+            "2:22: unknown key \"center\"; write transform = [{ translate = [x, y, z] }] under \
+             [[object]]",
+        ),
+        (
+            "[[plot]]\nshow = { de_boor = { t = 1 } }".into(),
+            "2:10: unknown plot \"de_boor\"; write de_casteljau = { … }: of a spline it shows de \
+             Boor's algorithm",
+        ),
+        (
+            "[[plot]]\nshow = { bernstein = 3 }".into(),
+            "2:10: unknown plot \"bernstein\"; write basis = { degree = n, count = n + 1 }",
+        ),
+        (
+            "[[plot]]\nshow = { bezier = [[0, 0], [1, 1]] }".into(),
+            "2:10: unknown plot \"bezier\"; write { curves = [{ curve = { bezier = … } }] }",
+        ),
+        (
+            "[[plot]]\nshow.curves = [{ bezier = [[0, 0], [1, 1]] }]".into(),
+            "2:18: unknown key \"bezier\"; write curve = { bezier = … }",
+        ),
+        (
+            with_sphere(&format!("trims.loops = [{{ bspline = {{ {points} }} }}]")),
+            "3:18: unknown loop \"bspline\"; write { curves = [{ bspline = … }] }",
+        ),
+    ] {
+        assert_eq!(error(&text), format!("s.toml:{message}"), "{text}");
+    }
+}
+
+#[test]
+fn degrees_are_whole_numbers_that_can_be_degrees() {
+    let points = "points = [[0, 0], [1, 2], [2, 0]]";
+    for (degree, found) in
+        [("2.0", "the number 2.0"), ("-1", "integer -1"), ("2.5", "the number 2.5")]
+    {
+        let nurbs = format!("nurbs = {{ degree = {degree}, {points} }}");
+        assert_eq!(
+            error(&format!("[[plot]]\nshow.curves = [{{ curve = {{ {nurbs} }} }}]")),
+            format!("s.toml:2:47: found {found}, needed a whole number from 1 to 32")
+        );
+        assert_eq!(
+            error(&format!("[[plot]]\nshow.basis = {{ degree = {degree}, count = 4 }}")),
+            format!("s.toml:2:25: found {found}, needed a whole number from 0 to 32")
+        );
+    }
+}
+
+#[test]
+fn points_are_not_homogeneous_and_stand_in_the_lists_that_are_theirs() {
+    let weight = "found a list of 4 numbers, needed [x, y, z], or [x, y]: a weight stands in \
+                  weights = …, and does not multiply x, y, z";
+    let curve = |points: &str| {
+        format!("[[plot]]\nshow.curves = [{{ curve = {{ polyline = [{points}] }} }}]")
+    };
+    for (text, message) in [
+        (curve("[0, 0, 0, 1]"), format!("2:40: {weight}")),
+        (
+            curve("[[0, 0], [1, 1]]"),
+            "2:40: found a list of lists, needed [x, y, z], or [x, y]".into(),
+        ),
+        (
+            "[[object]]\nshape.nurbs = { degree = 1, points = [[[0, 0, 0, 1]]] }".into(),
+            format!("2:40: {weight}"),
+        ),
+        (
+            "[[object]]\nshape.triangle = { degree = 1, points = [[[0, 1, 0]], [[0, 0], [1, 0]]] }"
+                .into(),
+            "2:42: found a row in brackets, needed one list of all points: those from the corner \
+             w = 1 to v = 1, then the row beside them, up to u = 1"
+                .into(),
+        ),
+    ] {
+        assert_eq!(error(&text), format!("s.toml:{message}"), "{text}");
+    }
+}
+
+/// As the documentation says of curves, nets, triangles and cages alike.
+#[test]
+fn points_of_two_numbers_lie_in_the_plane() {
+    let corners = ["[0, 0]", "[0, 1]", "[1, 0]", "[1, 1]"];
+    let [a, b, c, d] = corners;
+    for shape in [
+        format!("nurbs = {{ degree = 1, points = [[{a}, {b}], [{c}, {d}]] }}"),
+        format!("triangle = {{ degree = 1, points = [{a}, {b}, {c}] }}"),
+        format!("catmull_clark = {{ points = [{a}, {c}, {d}, {b}], faces = [[0, 1, 2, 3]] }}"),
+    ] {
+        let flat = format!("[[object]]\nshape = {{ {shape} }}");
+        let spatial = corners
+            .iter()
+            .fold(flat.clone(), |text, corner| text.replace(corner, &corner.replace(']', ", 0]")));
+        let [flat, spatial] = [flat, spatial].map(|text| World::new(&scene(&text)).unwrap());
+        let middle = DVec2::splat(0.25);
+        let [flat, spatial] =
+            [flat, spatial].map(|world| world.surfaces[0].surface.point_at(middle));
+        assert_eq!(flat, spatial, "{shape}");
+    }
 }
 
 /// The parser would accept longer lists, too.

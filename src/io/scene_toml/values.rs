@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};
 
+use crate::geometry::MAX_DEGREE;
 use crate::math::{Counted, Shown};
 use crate::scene::Rgb;
 
@@ -18,13 +19,17 @@ pub(super) struct Number(pub(super) f64);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Vector(pub(super) DVec3);
 
-/// A point of a control net, in one of its rows: `[x, y, z]`.
+/// A point of a curve or a cage: `[x, y, z]`, or `[x, y]` in the plane `z = 0`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Point(pub(super) DVec3);
+
+/// A [`Point`] of a control net, in one of its rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct NetPoint(pub(super) DVec3);
 
-/// A point of a curve: `[x, y, z]`, or `[x, y]` in the plane `z = 0`.
+/// A [`Point`] of a triangular patch, whose rows are not lists.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Point(pub(super) DVec3);
+pub(super) struct TrianglePoint(pub(super) DVec3);
 
 /// A place in the plane of (u, v): two numbers, `[u, v]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,13 +52,27 @@ pub(super) struct Color(pub(super) Rgb);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Emission(pub(super) Rgb);
 
-/// A whole number from 1 on. Zero is read, too: the code that uses it says what must not be 0.
+/// A whole number, which messages call one from `LEAST` to `MOST`. Others from 0 on are read, too:
+/// the code that uses them says more about these.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Count(pub(super) u32);
+pub(super) struct Whole<const LEAST: u32, const MOST: u32>(pub(super) u32);
+
+/// How many of something, at least one.
+pub(super) type Count = Whole<1, { u32::MAX }>;
+
+/// The degree of a curve, or of a surface in one direction.
+pub(super) type Degree = Whole<1, { MAX_DEGREE as u32 }>;
+
+/// The degree of basis functions.
+pub(super) type BasisDegree = Whole<0, { MAX_DEGREE as u32 }>;
 
 /// One whole number for u and v, or `[u, v]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PerDirection(pub(super) [u32; 2]);
+
+/// One [`Degree`] for u and v, or `[u, v]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Degrees(pub(super) [u32; 2]);
 
 /// Values that come in lists of a given length.
 pub(super) trait Listed {
@@ -110,19 +129,19 @@ impl<'de, T: Listed + Deserialize<'de>, const N: usize> Deserialize<'de> for Exa
     }
 }
 
-impl<'de> Deserialize<'de> for Count {
+impl<'de, const LEAST: u32, const MOST: u32> Deserialize<'de> for Whole<LEAST, MOST> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Visit;
+        struct Visit<const LEAST: u32, const MOST: u32>;
 
-        impl Visitor<'_> for Visit {
-            type Value = Count;
+        impl<const LEAST: u32, const MOST: u32> Visitor<'_> for Visit<LEAST, MOST> {
+            type Value = Whole<LEAST, MOST>;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                write!(f, "a whole number from 1 to {}", u32::MAX)
+                write!(f, "a whole number from {LEAST} to {MOST}")
             }
 
-            fn visit_i64<E: Error>(self, number: i64) -> Result<Count, E> {
-                let usable = u32::try_from(number).map(Count);
+            fn visit_i64<E: Error>(self, number: i64) -> Result<Self::Value, E> {
+                let usable = u32::try_from(number).map(Whole);
                 usable.map_err(|_| E::invalid_value(Unexpected::Signed(number), &self))
             }
         }
@@ -130,12 +149,20 @@ impl<'de> Deserialize<'de> for Count {
     }
 }
 
-/// The ways to write a value: a finite number, text, or a list of numbers.
+/// The ways to write a value: a finite number, text, or a list of numbers; a list with lists among
+/// its entries is no value, but has messages of its own.
 #[derive(Debug)]
 pub(super) enum Loose {
     Number(f64),
     Text(String),
     List(Vec<f64>),
+    Lists,
+}
+
+/// An entry of a list: a number, or a list.
+enum Entry {
+    Number(f64),
+    List,
 }
 
 /// Longer lists are cut to this length: no value has this many numbers.
@@ -175,12 +202,16 @@ where
 
         fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<T, A::Error> {
             let mut read = Vec::new();
-            while let Some(Number(number)) = list.next_element()? {
-                if read.len() < LONGEST {
-                    read.push(number);
+            let mut nested = false;
+            while let Some(entry) = list.next_element()? {
+                match entry {
+                    Entry::Number(number) if read.len() < LONGEST => read.push(number),
+                    Entry::Number(_) => {}
+                    Entry::List => nested = true,
                 }
             }
-            T::try_from(Loose::List(read)).map_err(A::Error::custom)
+            let value = if nested { Loose::Lists } else { Loose::List(read) };
+            T::try_from(value).map_err(A::Error::custom)
         }
     }
     deserializer.deserialize_any(Visit(PhantomData))
@@ -196,7 +227,8 @@ macro_rules! read_loosely {
     )*};
 }
 
-read_loosely!(Number, Vector, NetPoint, Point, Pair, Factors, Axis, Color, Emission, PerDirection);
+read_loosely!(Number, Vector, Point, NetPoint, TrianglePoint, Pair, Factors, Axis, Color, Emission);
+read_loosely!(Entry, PerDirection, Degrees);
 
 impl Loose {
     /// The message that this was found instead of what is needed.
@@ -210,7 +242,36 @@ impl Loose {
             Self::List(list) => {
                 format!("found a list of {}, needed {needed}", Counted(list.len(), "number"))
             }
+            Self::Lists => format!("found a list of lists, needed {needed}"),
         }
+    }
+
+    /// Returns a point in space, or in the plane `z = 0`. Four numbers are taken for homogeneous
+    /// coordinates.
+    fn point(&self) -> Result<DVec3, String> {
+        let Self::List(list) = self else { return Err(self.but_needed("[x, y, z], or [x, y]")) };
+        match *list.as_slice() {
+            [x, y] => Ok(DVec3::new(x, y, 0.0)),
+            [x, y, z] => Ok(DVec3::new(x, y, z)),
+            [_, _, _, _] => Err(self.but_needed(
+                "[x, y, z], or [x, y]: a weight stands in weights = …, and does not multiply x, y, z",
+            )),
+            _ => Err(self.but_needed("[x, y, z], or [x, y]")),
+        }
+    }
+
+    /// Returns whole numbers from 0 on for u and v.
+    fn per_direction(&self) -> Option<[u32; 2]> {
+        let whole = |x: f64| {
+            let usable = x.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&x);
+            usable.then_some(x as u32)
+        };
+        let [u, v] = match self {
+            Self::Number(both) => [*both; 2],
+            Self::List(list) => <[f64; 2]>::try_from(list.as_slice()).ok()?,
+            Self::Text(_) | Self::Lists => return None,
+        };
+        Some([whole(u)?, whole(v)?])
     }
 
     /// Returns linear light, no share of it below zero; messages name what it is by `needed`.
@@ -218,7 +279,7 @@ impl Loose {
         let light = match self {
             Self::Number(grey) => Some([*grey; 3]),
             Self::Text(hex) => from_hex(hex),
-            Self::List(_) => self.vector().map(|rgb| rgb.to_array()),
+            Self::List(_) | Self::Lists => self.vector().map(|rgb| rgb.to_array()),
         };
         let light = light.ok_or_else(|| self.but_needed("a number, [r, g, b] or \"#rrggbb\""))?;
         match light.into_iter().find(|share| *share < 0.0) {
@@ -254,15 +315,15 @@ impl TryFrom<Loose> for Vector {
     }
 }
 
-impl TryFrom<Loose> for NetPoint {
+impl TryFrom<Loose> for Entry {
     type Error = String;
 
     fn try_from(value: Loose) -> Result<Self, String> {
-        let needed = match value {
-            Loose::Number(_) => "a row of points: a net is [[[x, y, z], …], …]",
-            _ => "three numbers, [x, y, z]",
-        };
-        value.vector().map(Self).ok_or_else(|| value.but_needed(needed))
+        match value {
+            Loose::Number(number) => Ok(Self::Number(number)),
+            Loose::List(_) | Loose::Lists => Ok(Self::List),
+            Loose::Text(_) => Err(value.but_needed("a number")),
+        }
     }
 }
 
@@ -270,14 +331,35 @@ impl TryFrom<Loose> for Point {
     type Error = String;
 
     fn try_from(value: Loose) -> Result<Self, String> {
-        let point = match &value {
-            Loose::List(list) => match *list.as_slice() {
-                [x, y] => Some(DVec3::new(x, y, 0.0)),
-                _ => value.vector(),
-            },
-            _ => None,
-        };
-        point.map(Self).ok_or_else(|| value.but_needed("[x, y, z], or [x, y]"))
+        value.point().map(Self)
+    }
+}
+
+impl TryFrom<Loose> for NetPoint {
+    type Error = String;
+
+    fn try_from(value: Loose) -> Result<Self, String> {
+        match value {
+            Loose::Number(_) => {
+                Err(value.but_needed("a row of points: a net is [[[x, y, z], …], …]"))
+            }
+            _ => value.point().map(Self),
+        }
+    }
+}
+
+impl TryFrom<Loose> for TrianglePoint {
+    type Error = String;
+
+    fn try_from(value: Loose) -> Result<Self, String> {
+        match value {
+            Loose::Lists => {
+                Err("found a row in brackets, needed one list of all points: those from \
+                                 the corner w = 1 to v = 1, then the row beside them, up to u = 1"
+                    .to_owned())
+            }
+            _ => value.point().map(Self),
+        }
     }
 }
 
@@ -353,19 +435,17 @@ impl TryFrom<Loose> for PerDirection {
     type Error = String;
 
     fn try_from(value: Loose) -> Result<Self, String> {
-        let whole = |x: f64| {
-            let usable = x.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&x);
-            usable.then_some(x as u32)
-        };
-        let pair = match &value {
-            Loose::Number(both) => Some([*both; 2]),
-            Loose::List(list) => <[f64; 2]>::try_from(list.as_slice()).ok(),
-            Loose::Text(_) => None,
-        };
-        match pair.map(|pair| pair.map(whole)) {
-            Some([Some(u), Some(v)]) => Ok(Self([u, v])),
-            _ => Err(value.but_needed("a whole number from 0 on, or two as [u, v]")),
-        }
+        let needed = "a whole number from 0 on, or two as [u, v]";
+        value.per_direction().map(Self).ok_or_else(|| value.but_needed(needed))
+    }
+}
+
+impl TryFrom<Loose> for Degrees {
+    type Error = String;
+
+    fn try_from(value: Loose) -> Result<Self, String> {
+        let needed = format!("a whole number from 1 to {MAX_DEGREE}, or two as [u, v]");
+        value.per_direction().map(Self).ok_or_else(|| value.but_needed(&needed))
     }
 }
 
