@@ -3,8 +3,7 @@
 use std::fmt;
 
 use glam::{DVec2, DVec3};
-use nurbray::geometry::trim::{Coverage, UvBox};
-use nurbray::geometry::{Chart, ChartMap, KnotVector, NurbsSurface};
+use nurbray::geometry::{Chart, ChartMap, Direction, KnotVector, NurbsSurface};
 use nurbray::math::rounding::residual_factor;
 
 /// The number of intervals between the points of a border that are compared to find a pole.
@@ -63,15 +62,17 @@ impl Border {
         inner
     }
 
-    /// Whether trims keep some of the border, as far as is known.
+    /// Whether trims keep some of the border.
     pub(crate) fn is_kept(&self, chart: &Chart<'_>) -> bool {
+        !self.kept(chart).is_empty()
+    }
+
+    /// The ranges of the running parameter where trims keep the border.
+    pub(crate) fn kept(&self, chart: &Chart<'_>) -> Vec<[f64; 2]> {
         let (start, end) = self.knots(&chart.surface).domain();
-        let ends = [start, end].map(|t| {
-            let (u, v) = self.uv(t);
-            DVec2::new(u, v)
-        });
-        let line = UvBox { min: ends[0], max: ends[1] };
-        chart.trims.as_ref().is_none_or(|trims| trims.classify(&line) != Coverage::Outside)
+        let Some(trims) = &chart.trims else { return vec![[start, end]] };
+        let ((u, v), direction) = (self.uv(start), [Direction::U, Direction::V][self.fixed]);
+        trims.kept_along(direction, [u, v][self.fixed])
     }
 
     /// The surface parameters where the running one is `t`.

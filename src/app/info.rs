@@ -7,6 +7,7 @@ mod extent;
 mod facts;
 mod gaps;
 mod neighbours;
+mod side;
 mod text;
 
 use std::process::ExitCode;

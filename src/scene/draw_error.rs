@@ -41,6 +41,9 @@ pub enum DrawError {
     /// An object without trim edges.
     #[error("there are no trim edges to draw: no surface of that object is trimmed")]
     NoTrims,
+    /// An object whose trim loops run along the border only, where they cut nothing.
+    #[error("there are no trim edges to draw: the loops run along the border, or outside")]
+    NoTrimEdges,
     /// A trim edge is not a curve that can be drawn.
     #[error("a trim edge in space: {0}")]
     TrimEdge(CurveError),

@@ -103,14 +103,19 @@ pub(super) fn trim_curves(
         return Err(DrawError::NoTrims);
     }
     let mut drawn = Drawn::of_surfaces(surfaces, *style, most_points);
+    let mut is_cut = false;
     for (index, surface) in trimmed {
         // Edges are lifted onto the surface's Bézier pieces, all of which are made for that.
         drawn.check(surface.surface().bezier_point_count())?;
         let edges = surface.edge_curves().map_err(DrawError::TrimEdge)?;
+        is_cut |= !edges.is_empty();
         for (number, edge) in edges.iter().enumerate() {
             drawn
                 .tube(edge, || on_surface(index, surfaces.len(), &format!("trim edge {number}")))?;
         }
+    }
+    if !is_cut {
+        return Err(DrawError::NoTrimEdges);
     }
     drawn.pieces()
 }

@@ -167,6 +167,58 @@ loops = [ { circle = { center = [0.25, 0.75], radius = 0.0005 } } ]
     }
 }
 
+/// A triangle is traced in three parts, but has three sides.
+#[test]
+fn a_triangle_has_three_borders() {
+    let triangle = |corner: &str| {
+        format!(
+            "[[object]]\nname = \"t\"\n[object.shape.triangle]\ndegree = 1\n\
+             points = [[0, 0, 0], [0, 1, 0], {corner}]\n"
+        )
+    };
+    let whole = triangle("[1, 0, 0]");
+    let beside = format!("{whole}{}", triangle("[1, 1, 0]").replace("[0, 0, 0]", "[1, 0, 0]"));
+    let sandbox = Sandbox::with(&[
+        ("whole.toml", &whole),
+        ("two.toml", &beside.replacen("\"t\"", "\"s\"", 1)),
+    ]);
+    let borders = |name: &str| {
+        let json = sandbox.run(&format!("info {name} --json")).succeeded().json();
+        ["total", "meeting", "free"].map(|key| json["borders"][key].as_u64().unwrap())
+    };
+    assert_eq!(borders("whole.toml"), [3, 0, 3]);
+    assert_eq!(borders("two.toml"), [6, 2, 4]);
+}
+
+/// The loop's sides along u = 0 and v = 0 cut nothing, for `cast` as for all the others.
+#[test]
+fn sides_of_loops_along_the_border_are_no_trim_edges() {
+    let scene = |loops: &str, more: &str| {
+        format!(
+            "[[object]]\nname = \"p\"\nshape = {{ plane = {{ width = 2, height = 2 }} }}\n\
+             trims = {{ loops = [{{ polygon = [{loops}] }}] }}\n{more}"
+        )
+    };
+    let corner = "[0, 0], [1, 0], [0, 1]";
+    let tubes = "[[object]]\nshape = { trim_curves = { of = \"p\", radius = 0.01 } }\n";
+    let around = scene("[0, 0], [1, 0], [1, 1], [0, 1]", tubes);
+    let sandbox = Sandbox::with(&[
+        ("corner.toml", &scene(corner, "")),
+        ("tubes.toml", &scene(corner, tubes)),
+        ("around.toml", &around),
+    ]);
+    let json = sandbox.run("info corner.toml --json").succeeded().json();
+    let borders = ["total", "trim_edges", "free"].map(|key| json["borders"][key].as_u64().unwrap());
+    assert_eq!(borders, [3, 1, 3]);
+    // One tube with two caps, along the diagonal.
+    let json = sandbox.run("info tubes.toml --json").succeeded().json();
+    assert_eq!(json["total"]["surfaces"], 4);
+    let error = sandbox.run("info around.toml");
+    assert_eq!(error.code, 2);
+    let told = "there are no trim edges to draw: the loops run along the border, or outside";
+    assert!(error.stderr.contains(told), "{}", error.stderr);
+}
+
 #[test]
 fn people_get_tables() {
     let sandbox = Sandbox::with(&[("sphere.toml", SPHERE)]);

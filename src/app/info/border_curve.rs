@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
-use nurbray::geometry::trim::{Side, Trims};
+use glam::DVec3;
 use nurbray::geometry::{Chart, KnotVector, NurbsCurve, NurbsSurface};
 use nurbray::math::Aabb;
 
@@ -25,10 +24,9 @@ const STEPS: usize = 16;
 /// What a curve is made from.
 #[derive(Debug)]
 enum Source<'a> {
-    /// A border of a surface, a part of which trims may have cut off; `bare` if the trim edges
-    /// are not known.
-    Border { surface: &'a NurbsSurface, trims: Option<&'a Trims>, border: Border, bare: bool },
-    /// A part of a trim edge, between two corners.
+    /// A border of a surface, and the ranges of its parameter where trims keep it.
+    Border { surface: &'a NurbsSurface, border: Border, kept: Vec<[f64; 2]> },
+    /// A side of a triangle, or a part of a trim edge between two corners.
     Edge(Arc<NurbsCurve>),
 }
 
@@ -58,16 +56,10 @@ impl Source<'_> {
         }
     }
 
-    /// Whether the surface ends at this curve's point at `t`. Where a trim edge runs along a
-    /// border, it ends at the trim edge, and not at the border unless `bare`.
+    /// Whether the surface ends at this curve's point at `t`.
     fn keeps(&self, t: f64) -> bool {
-        let Self::Border { trims: Some(trims), border, bare, .. } = self else { return true };
-        let (u, v) = border.uv(t);
-        match trims.contains(DVec2::new(u, v)) {
-            Side::Inside => true,
-            Side::Edge { .. } => *bare,
-            Side::Outside => false,
-        }
+        let Self::Border { kept, .. } = self else { return true };
+        kept.iter().any(|&[from, to]| from <= t && t <= to)
     }
 }
 
@@ -99,13 +91,18 @@ pub(crate) struct BorderCurve<'a> {
 }
 
 impl<'a> BorderCurve<'a> {
-    /// Samples a border. Returns `None` if trims leave nothing of it, or only what runs along trim
-    /// edges; with `bare`, where these are not known, such parts count as well.
-    pub(crate) fn new(chart: &'a Chart<'_>, border: Border, bare: bool) -> Option<Self> {
-        let (surface, trims) = (&*chart.surface, chart.trims.as_deref());
-        let source = Source::Border { surface, trims, border, bare };
+    /// Samples a border. Returns `None` if trims leave nothing of it.
+    pub(crate) fn new(chart: &'a Chart<'_>, border: Border) -> Option<Self> {
+        let (surface, kept) = (&*chart.surface, border.kept(chart));
+        let source = Source::Border { surface, border, kept };
         let curve = Self::sampled(source, border.knots(surface).domain());
         curve.samples.iter().any(|sample| sample.kept).then_some(curve)
+    }
+
+    /// Samples a side of a triangle.
+    pub(crate) fn of_side(side: NurbsCurve) -> Self {
+        let domain = side.domain();
+        Self::sampled(Source::Edge(Arc::new(side)), domain)
     }
 
     /// Samples a trim edge, corner by corner. Leaves out parts that are points, to within
@@ -298,7 +295,7 @@ mod tests {
         let whole = Chart::whole(&cylinder);
         let rim = Border::all(&cylinder)
             .into_iter()
-            .filter_map(|border| BorderCurve::new(&whole, border, false))
+            .filter_map(|border| BorderCurve::new(&whole, border))
             .find(|curve| (curve.length() - std::f64::consts::TAU).abs() < 0.05)
             .unwrap();
         let z = rim.samples()[0].point.z;
@@ -338,7 +335,7 @@ mod tests {
     fn points_beyond_an_end_are_not_beside_the_curve() {
         let plane = shapes::plane(1.0, 1.0).unwrap();
         let whole = Chart::whole(&plane);
-        let curve = BorderCurve::new(&whole, Border::all(&plane)[0], false).unwrap();
+        let curve = BorderCurve::new(&whole, Border::all(&plane)[0]).unwrap();
         let [first, .., last] = curve.samples() else { panic!("two points at least") };
         let (first, last) = (first.point, last.point);
         let along = (last - first).normalize();

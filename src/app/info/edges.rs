@@ -1,13 +1,13 @@
 //! The borders and trim edges of surfaces.
 
-use std::collections::BTreeSet;
 use std::fmt;
 
-use nurbray::geometry::{Chart, CurveError, Surface, TrimmedSurface};
+use nurbray::geometry::{Chart, CurveError, Surface, TriangleSide, TrimmedSurface};
 use rayon::prelude::*;
 
 use super::super::border::{Border, rounding};
 use super::border_curve::BorderCurve;
+use super::side::Side;
 
 /// A border or a trim edge of one of the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,8 +21,10 @@ pub(crate) struct Edge {
 /// Which border or trim edge of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Which {
-    /// A border.
+    /// A border of a domain that is a rectangle.
     Border(Border),
+    /// A side of a triangle.
+    Side(TriangleSide),
     /// A trim edge, from corner to corner, counted from 0.
     Trim(usize),
 }
@@ -31,6 +33,8 @@ impl fmt::Display for Which {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Border(border) => border.fmt(f),
+            Self::Side(TriangleSide::W) => f.write_str("u + v = 1"),
+            Self::Side(side) => write!(f, "{side} = 0"),
             Self::Trim(number) => write!(f, "trim edge {number}"),
         }
     }
@@ -53,45 +57,36 @@ pub(super) struct Edges<'a> {
 impl<'a> Edges<'a> {
     /// Collects the edges of surfaces with these charts.
     pub(super) fn of(surfaces: &[Surface], charts: &'a [Vec<Chart<'a>>]) -> Self {
-        let mut borders: Vec<(usize, &Chart<'_>, Border)> = Vec::new();
-        for (surface, charts) in charts.iter().enumerate() {
-            for chart in charts {
-                let all = Border::of(chart).chain(Border::inner(chart));
-                borders.extend(all.map(|border| (surface, chart, border)));
-            }
-        }
-        let (poles, extended): (Vec<_>, Vec<_>) = borders
-            .into_iter()
-            .partition(|(_, chart, border)| border.pole(&chart.surface).is_some());
-        let collapsed = poles.iter().filter(|(_, chart, border)| border.is_kept(chart)).count();
         let largest = |charts: &Vec<Chart<'_>>| {
             charts.iter().map(|chart| rounding(&chart.surface)).fold(0.0, f64::max)
         };
         let rounding: Vec<f64> = charts.iter().map(largest).collect();
+        let of_surfaces = surfaces.iter().zip(charts).enumerate();
+        let sides: Vec<(usize, Side<'_>)> = of_surfaces
+            .flat_map(|(index, (surface, charts))| {
+                Side::all(surface, charts).into_iter().map(move |side| (index, side))
+            })
+            .collect();
+        let collapsed = sides.iter().filter(|(_, side)| side.kept_pole().is_some()).count();
+        let curve = |(surface, side): &(usize, Side<'a>)| {
+            Some((Edge { surface: *surface, which: side.which() }, side.curve()?))
+        };
+        let mut curves: Vec<_> = sides.par_iter().filter_map(curve).collect();
 
-        let mut left_out = Vec::new();
-        let mut trim_edges = Vec::new();
+        let (mut left_out, borders) = (Vec::new(), curves.len());
         for (surface, one) in surfaces.iter().enumerate() {
             match one.trimmed().map(TrimmedSurface::edge_curves).unwrap_or(Ok(Vec::new())) {
                 Ok(edges) => {
                     let parts = edges
                         .into_iter()
                         .flat_map(|edge| BorderCurve::of_edge(edge, rounding[surface]));
-                    trim_edges.extend(parts.enumerate().map(|(number, curve)| {
+                    curves.extend(parts.enumerate().map(|(number, curve)| {
                         (Edge { surface, which: Which::Trim(number) }, curve)
                     }));
                 }
                 Err(error) => left_out.push((surface, error)),
             }
         }
-        let bare: BTreeSet<usize> = left_out.iter().map(|(surface, _)| *surface).collect();
-        let curve = |&(surface, chart, border): &(usize, &'a Chart<'a>, Border)| {
-            let curve = BorderCurve::new(chart, border, bare.contains(&surface))?;
-            Some((Edge { surface, which: Which::Border(border) }, curve))
-        };
-        let mut curves: Vec<_> = extended.par_iter().filter_map(curve).collect();
-        let borders = curves.len();
-        curves.extend(trim_edges);
         let trim_edges = curves.len() - borders;
         Self { curves, collapsed, trim_edges, left_out, rounding }
     }

@@ -8,8 +8,9 @@ use nurbray::patch::{Leaf, Piece};
 use nurbray::scene::World;
 use rayon::prelude::*;
 
-use super::super::border::Border;
+use super::edges::Which;
 use super::extent::{extent, extent_of_parts};
+use super::side::Side;
 
 /// Facts about all surfaces.
 #[derive(Clone, Debug)]
@@ -42,7 +43,7 @@ pub(super) struct SurfaceFacts {
     /// The box it just fits in.
     pub(super) bounds: Aabb,
     /// The borders that are one point, and that point.
-    pub(super) collapsed: Vec<(Border, DVec3)>,
+    pub(super) collapsed: Vec<(Which, DVec3)>,
     /// How far it may be from what the scene asks for.
     pub(super) deviation: f64,
     /// The patches of a limit surface, and how many of them are exact.
@@ -131,10 +132,8 @@ fn authored(world: &World, index: usize) -> SurfaceFacts {
     let instance = &world.surfaces()[index];
     let surface = &instance.surface;
     let charts = surface.charts();
-    let collapsed = charts.iter().flat_map(|chart| {
-        let borders = Border::of(chart).filter(|border| border.is_kept(chart));
-        borders.filter_map(|border| Some((border, border.pole(&chart.surface)?)))
-    });
+    let sides = Side::all(surface, &charts).into_iter();
+    let collapsed = sides.filter_map(|side| Some((side.which(), side.kept_pole()?))).collect();
     SurfaceFacts {
         index,
         name: instance.name.clone(),
@@ -148,7 +147,7 @@ fn authored(world: &World, index: usize) -> SurfaceFacts {
         leaves: 0,
         bytes: 0,
         bounds: Aabb::EMPTY,
-        collapsed: collapsed.collect(),
+        collapsed,
         deviation: instance.deviation,
         patches: match surface {
             Surface::Limit(limit) => Some([limit.patches().len(), limit.exact_count()]),

@@ -22,8 +22,8 @@ pub(crate) struct Gap {
 /// How the borders of a model fit together.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Fit {
-    /// Borders in total, trim edges included: four a surface and two at each knot where it may
-    /// jump, except those that trims have cut off or run along.
+    /// Borders in total, trim edges included: four a surface, three a triangle, and two at each
+    /// knot where it may jump, except those that trims have cut off.
     pub(crate) borders: usize,
     /// Of these, trim edges, counted from corner to corner.
     pub(crate) trim_edges: usize,
@@ -264,7 +264,7 @@ mod tests {
         }
     }
 
-    /// A border and the trim edge along it are one edge.
+    /// A side of a loop along a border cuts nothing: it is the border.
     #[test]
     fn trims_may_run_along_borders() {
         let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from);
@@ -282,20 +282,20 @@ mod tests {
                 super::fit(surfaces, &[], &sizes);
             ([borders, trim_edges, meeting, nearly, free], gaps.len())
         };
-        assert_eq!(counts(&[plate(0.0, &square)]), ([4, 4, 0, 0, 4], 0));
+        assert_eq!(counts(&[plate(0.0, &square)]), ([4, 0, 0, 0, 4], 0), "its borders");
         assert_eq!(counts(&[plate(0.0, &disc)]), ([1, 1, 0, 0, 1], 0));
         let two = |apart: f64| [plate(0.0, &square), plate(1.0 + apart, &square)];
-        assert_eq!(counts(&two(0.0)), ([8, 8, 2, 0, 6], 0));
-        assert_eq!(counts(&two(1e-4)), ([8, 8, 0, 2, 6], 1));
+        assert_eq!(counts(&two(0.0)), ([8, 0, 2, 0, 6], 0));
+        assert_eq!(counts(&two(1e-4)), ([8, 0, 0, 2, 6], 1));
         // Half of a plate: three borders are left in part, and a new edge.
         let half = TrimLoop::rectangle(UvBox::new([0.0, 0.5], [-0.5, 1.5])).unwrap();
         let ([borders, trim_edges, ..], _) = counts(&[plate(0.0, &half)]);
-        assert_eq!((borders, trim_edges), (4, 2), "one along u = 0");
+        assert_eq!((borders, trim_edges), (4, 1), "none along u = 0");
     }
 
-    /// Where trim edges are no curves of a supported degree, the borders they run along are kept.
+    /// Borders are known where trim edges are no curves of a supported degree.
     #[test]
-    fn borders_stand_for_edges_that_are_not_known() {
+    fn borders_are_known_where_edges_are_not() {
         let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from);
         let square = TrimLoop::polygon(&square).unwrap();
         let hole = TrimLoop::circle(DVec2::splat(0.5), 0.2).unwrap();
@@ -307,9 +307,9 @@ mod tests {
         assert_eq!((fit.left_out.len(), fit.borders, fit.trim_edges, fit.free), (1, 4, 0, 4));
     }
 
-    /// An octant has three sides and a pole, where its trim edge has no length.
+    /// An octant has three sides and a pole; a loop along all of them adds no edge.
     #[test]
-    fn trim_edges_have_no_parts_along_poles() {
+    fn loops_along_borders_and_poles_are_no_edges() {
         let octant = shapes::octant_biquadratic(1.0).unwrap();
         let [(u0, u1), (v0, v1)] = octant.domain();
         let whole = TrimLoop::rectangle(UvBox::new([u0, u1], [v0, v1])).unwrap();
@@ -317,7 +317,7 @@ mod tests {
         let trims = Trims::new(domain, Kept::Odd, &[whole]).unwrap();
         let octant = TrimmedSurface::new(octant, trims).unwrap().into();
         let fit = super::fit(&[octant], &[], &[2.0]);
-        assert_eq!((fit.trim_edges, fit.free, fit.gaps.len()), (3, 3, 0));
+        assert_eq!((fit.trim_edges, fit.collapsed, fit.free, fit.gaps.len()), (0, 1, 3, 0));
     }
 
     #[test]

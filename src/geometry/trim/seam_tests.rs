@@ -38,22 +38,27 @@ fn sides_along_a_seam_that_are_not_quite_straight_lie_on_it() {
     assert!(error.starts_with("loop 0 crosses itself at (u, v) = "), "{error}");
 }
 
-/// A band on a cylinder between two lines around it: its sides on the seam begin at v = 0.3 and end
-/// at v = `left` and `right`. The left one has corners in between.
-fn slanted([left, right]: [f64; 2]) -> Trims {
+/// The places of lines along v that are tested: the seam, and another one to and fro along which a
+/// loop runs.
+const SEAM: f64 = 0.0;
+const INNER: f64 = 0.25;
+
+/// A band on a cylinder between two lines around it, cut at `u = at`: its sides there begin at
+/// v = 0.3 and end at v = `left` and `right`. The left one has corners in between.
+fn slanted(at: f64, [left, right]: [f64; 2]) -> Trims {
     let domain = TrimDomain::new([0.0, 1.0], [0.0, 1.0]).unwrap().periodic_in(Direction::U);
     let corners = [(0.0, 0.3), (1.0, 0.3), (1.0, right), (0.0, left), (0.0, 0.5), (0.0, 0.4)];
-    let outline = TrimLoop::polygon(&corners.map(DVec2::from)).unwrap();
+    let outline = TrimLoop::polygon(&corners.map(|(u, v)| DVec2::new(at + u, v))).unwrap();
     Trims::new(domain, Kept::Odd, &[outline]).unwrap()
 }
 
-/// Whether these ranges of v, in order, are those of the pieces of edges that lie on the seam.
-fn are_on_the_seam(trims: &Trims, expected: &[[f64; 2]]) -> bool {
+/// Whether these ranges of v, in order, are those of the pieces of edges that lie on `u = at`.
+fn are_edges_on(at: f64, trims: &Trims, expected: &[[f64; 2]]) -> bool {
     let off = |a: f64, b: f64| (a - b).abs();
     let mut found = Vec::new();
     for piece in trims.edge_chains([&[], &[0.45]]).concat() {
         let [a, b] = [piece.control[0], piece.control[piece.control.len() - 1]];
-        if off(a.x, b.x) < 1e-15 && off(a.x, a.x.round()) < 1e-15 {
+        if off(a.x, b.x) < 1e-15 && off(a.x - at, (a.x - at).round()) < 1e-15 {
             found.push([a.y.min(b.y), a.y.max(b.y)]);
         }
     }
@@ -63,37 +68,48 @@ fn are_on_the_seam(trims: &Trims, expected: &[[f64; 2]]) -> bool {
 }
 
 #[test]
-fn a_seam_kept_on_both_sides_is_no_edge_though_its_sides_end_beside_each_other() {
-    for off in [0.0, 1e-16, 1e-15, 1e-12, 1e-10, 9e-9] {
-        for ends in [[0.6, 0.6 + off], [0.6 + off, 0.6]] {
-            let trims = slanted(ends);
-            assert!(are_on_the_seam(&trims, &[]), "{ends:?}");
-            assert_eq!(trims.edge_chains([&[], &[]]).len(), 2, "{ends:?}");
+fn what_is_kept_on_both_sides_is_no_edge_though_its_sides_end_beside_each_other() {
+    // The domain's border cuts the loop and its copy, if it does not lie on them.
+    for (at, chains) in [(SEAM, 2), (INNER, 4)] {
+        for off in [0.0, 1e-16, 1e-15, 1e-12, 1e-10, 9e-9] {
+            for ends in [[0.6, 0.6 + off], [0.6 + off, 0.6]] {
+                let trims = slanted(at, ends);
+                assert!(are_edges_on(at, &trims, &[]), "{at}: {ends:?}");
+                assert_eq!(trims.edge_chains([&[], &[]]).len(), chains, "{at}: {ends:?}");
+            }
         }
-    }
-    // Beyond that, the rest of the longer side is an edge, together with the slanted line.
-    for off in [1e-7, 1e-3, 0.1] {
-        for ends in [[0.6, 0.6 + off], [0.6 + off, 0.6]] {
-            let trims = slanted(ends);
-            assert!(are_on_the_seam(&trims, &[[0.6, 0.6 + off]]), "{ends:?}");
-            assert_eq!(trims.edge_chains([&[], &[]]).len(), 2, "{ends:?}");
+        // Beyond that, the rest of the longer side is an edge, together with the slanted line, but
+        // not on the seam: that is a border.
+        for off in [1e-7, 1e-3, 0.1] {
+            for ends in [[0.6, 0.6 + off], [0.6 + off, 0.6]] {
+                let trims = slanted(at, ends);
+                let rest = if at == INNER { vec![[0.6, 0.6 + off]] } else { Vec::new() };
+                assert!(are_edges_on(at, &trims, &rest), "{at}: {ends:?}");
+                assert_eq!(trims.edge_chains([&[], &[]]).len(), chains, "{at}: {ends:?}");
+            }
         }
     }
 }
 
-/// Three parts of a cylinder that lie beside each other at the seam, along v from 0.2 to 0.8 on one
+/// Three parts of a cylinder that lie beside each other at a line, along v from 0.2 to 0.8 on one
 /// side, and from 0.1 to 0.4 and from 0.6 to 0.7 on the other.
 #[test]
-fn of_a_seam_kept_on_one_side_that_part_is_an_edge() {
+fn of_a_line_kept_on_one_side_that_part_is_an_edge_but_not_on_the_border() {
     let unit = TrimDomain::new([0.0, 1.0], [0.0, 1.0]).unwrap();
-    let part = |u: [f64; 2], v: [f64; 2]| TrimLoop::rectangle(super::UvBox::new(u, v)).unwrap();
-    let left = [0.0, 0.25];
-    let loops = [part([0.75, 1.0], [0.2, 0.8]), part(left, [0.1, 0.4]), part(left, [0.6, 0.7])];
-    let trims = Trims::new(unit.periodic_in(Direction::U), Kept::Odd, &loops).unwrap();
-    assert!(are_on_the_seam(&trims, &[[0.1, 0.2], [0.4, 0.45], [0.45, 0.6], [0.7, 0.8]]));
-    // Without a seam, both sides are a border.
-    let apart = Trims::new(unit, Kept::Odd, &loops).unwrap();
-    assert!(are_on_the_seam(&apart, &[[0.1, 0.4], [0.2, 0.45], [0.45, 0.8], [0.6, 0.7]]));
+    let made = |domain: TrimDomain, at: f64| {
+        let part = |u: [f64; 2], v: [f64; 2]| {
+            TrimLoop::rectangle(super::UvBox::new(u.map(|u| at + u), v)).unwrap()
+        };
+        let left = [0.0, 0.25];
+        let loops = [part([0.75, 1.0], [0.2, 0.8]), part(left, [0.1, 0.4]), part(left, [0.6, 0.7])];
+        Trims::new(domain, Kept::Odd, &loops).unwrap()
+    };
+    let closed = unit.periodic_in(Direction::U);
+    let one_sided = [[0.1, 0.2], [0.4, 0.45], [0.45, 0.6], [0.7, 0.8]];
+    assert!(are_edges_on(INNER, &made(closed, INNER), &one_sided));
+    for domain in [closed, unit] {
+        assert!(are_edges_on(SEAM, &made(domain, SEAM), &[]));
+    }
 }
 
 /// Circles whose copies, moved by a period, are less round than they were written.

@@ -5,6 +5,7 @@ use glam::{DVec2, DVec3, Vec3Swizzles};
 use super::curve::euclidean;
 use super::seam_sides::{Alike, SeamSides};
 use super::segment::Segment;
+use super::trims::border_slack;
 use super::{Side, Trims, UvBox};
 use crate::geometry::Direction;
 use crate::math::bernstein::restrict;
@@ -19,7 +20,8 @@ pub(crate) struct EdgePiece {
 impl Trims {
     /// The stretches of the line of constant `u` (or `v`, for [`Direction::V`]) that are kept, as
     /// ranges of the other parameter, in order. The kept part is closed: a line along a trim edge
-    /// is kept where it touches the kept part. Outside the domain there are no stretches.
+    /// is kept where it touches the kept part. So is the domain's border beside loops along it,
+    /// which may be off by rounding. Outside the domain there are no stretches.
     ///
     /// Their ends are where the line crosses the trim curves, to a few rounding errors where the
     /// crossing is steep.
@@ -34,14 +36,20 @@ impl Trims {
             return Vec::new();
         }
         let [start, end] = range[free];
+        // Curves that reach so little into the domain lie on its border.
+        let is_border = range[fixed].contains(&at);
+        let mut slack = DVec2::ZERO;
+        slack[fixed] = if is_border { border_slack(&self.domain())[fixed] } else { 0.0 };
         let mut cuts = vec![start, end];
         for segment in self.loop_segments().flatten() {
             let [from, to] = segment.ends();
-            let meets = from[fixed].min(to[fixed]) <= at && at <= from[fixed].max(to[fixed]);
-            if meets && from[fixed] == to[fixed] {
-                cuts.extend([from[free], to[free]]);
-            } else if meets {
+            let [low, high] = [from[fixed].min(to[fixed]), from[fixed].max(to[fixed])];
+            let off = if is_border { slack[fixed] + segment.reach()[fixed] } else { 0.0 };
+            if low + off < at && at < high - off {
                 cuts.push(segment.at(segment.reaching(fixed, at))[free]);
+            } else {
+                let met = [from, to].into_iter().filter(|end| (end[fixed] - at).abs() <= off);
+                cuts.extend(met.map(|end| end[free]));
             }
         }
         cuts.retain(|cut| start <= *cut && *cut <= end);
@@ -55,7 +63,7 @@ impl Trims {
         for pair in cuts.windows(2) {
             let mut middle = DVec2::splat(at);
             middle[free] = 0.5 * (pair[0] + pair[1]);
-            if pair[0] == pair[1] || self.contains(middle) == Side::Outside {
+            if pair[0] == pair[1] || self.contains_within(middle, slack) == Side::Outside {
                 continue;
             }
             match kept.last_mut() {
@@ -66,19 +74,17 @@ impl Trims {
         kept
     }
 
-    /// Each loop's chains of pieces inside the closed domain, in the direction of the loop, without
-    /// pieces whose two sides are alike. No piece crosses a line of constant parameter among `cuts`
-    /// (in u, in v) by more than the rounding error of the curve, and nothing is cut off that is no
-    /// longer than this error; all pieces of a loop have the same degree. A loop that is never cut
-    /// by the domain's border is one chain, whose last piece ends where the first begins.
+    /// Each loop's chains of pieces inside the domain, in the direction of the loop, without those
+    /// on the domain's border, which cut nothing, and those whose two sides are alike. No piece
+    /// crosses a line of constant parameter among `cuts` (in u, in v) by more than the rounding
+    /// error of the curve, and nothing is cut off that is no longer than this error; all pieces of a
+    /// loop have the same degree. A loop that never meets the domain's border is one chain, whose
+    /// last piece ends where the first begins.
     pub(crate) fn edge_chains(&self, cuts: [&[f64]; 2]) -> Vec<Vec<EdgePiece>> {
         let domain = self.domain();
         let UvBox { min, max } = domain.bounds();
         let lines = [0, 1].map(|axis| [cuts[axis], &[min[axis], max[axis]]].concat());
         let sides = SeamSides::new(domain, &self.segments);
-        // Sides along seams lie on them; a side along another border may be beyond it by rounding.
-        let loose = [Direction::U, Direction::V].map(|way| !domain.is_periodic(way));
-        let loose = DVec2::from_array(loose.map(|loose| f64::from(u8::from(loose))));
 
         let mut chains = Vec::new();
         for segments in self.loop_segments() {
@@ -93,10 +99,10 @@ impl Trims {
                     control = elevated(&control);
                 }
                 let alike = sides.alike(segment, size);
-                let inside = domain.bounds().grown(loose * segment.reach());
                 for pair in stops(segment, &lines, &alike).windows(2) {
                     let middle = segment.directed_at(0.5 * (pair[0] + pair[1]));
-                    let is_edge = inside.holds(middle) && !alike.hold(middle);
+                    let is_cut = !segment.is_on_border() && domain.bounds().holds(middle);
+                    let is_edge = is_cut && !alike.hold(middle);
                     pieces.push(is_edge.then(|| {
                         let mut part = control.clone();
                         restrict(&mut part, pair[0], pair[1]);

@@ -367,9 +367,13 @@ impl Trims {
 
 /// Marks the segments that lie on the domain's border, or outside.
 fn look_for_border(domain: &TrimDomain, segments: &mut [Segment]) {
-    let bounds = domain.bounds();
-    let off = ON_BORDER * bounds.size();
+    let (bounds, off) = (domain.bounds(), border_slack(domain));
     segments.iter_mut().for_each(|segment| segment.look_for_border(&bounds, off));
+}
+
+/// How far curves on the domain's border may reach into it, beyond their own error.
+pub(super) fn border_slack(domain: &TrimDomain) -> DVec2 {
+    ON_BORDER * domain.bounds().size()
 }
 
 /// The shifts that make a loop reach into the domain: whole periods in periodic directions, zero in

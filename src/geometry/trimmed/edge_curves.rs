@@ -320,6 +320,33 @@ mod tests {
         }
     }
 
+    /// Such sides cut nothing, though they are off by rounding; as far as they reach, the border
+    /// is kept.
+    #[test]
+    fn sides_along_the_border_are_no_edges() {
+        let plane = shapes::plane(1.0, 1.0).unwrap();
+        let domain = TrimDomain::of(&plane).unwrap();
+        for off in [0.0, 1e-18, 2e-16, 8e-16] {
+            for [du, dv] in [[off, off], [-off, off], [-off, -off]] {
+                let corners = [[du, dv], [0.75, dv], [du, 0.5]].map(DVec2::from);
+                let outline = TrimLoop::polygon(&corners).unwrap();
+                let trims = Trims::new(domain, Kept::Odd, &[outline]).unwrap();
+                let part = TrimmedSurface::new(plane.clone(), trims).unwrap();
+                let edges = part.edge_curves().unwrap();
+                assert_eq!(edges.len(), 1, "{du}, {dv}");
+                let (ends, from_to) = (edges[0].ends(), [[0.75, 0.0], [0.0, 0.5]]);
+                for (end, [u, v]) in ends.into_iter().zip(from_to) {
+                    assert!(end.distance(plane.point_at(u, v)) < 2e-15, "{du}, {dv}: {end}");
+                }
+                let kept = |direction, at| part.trims().kept_along(direction, at);
+                let is_up_to = |kept: Vec<[f64; 2]>, end: f64| matches!(kept[..], [[0.0, to]] if (to - end).abs() < 2e-15);
+                assert!(is_up_to(kept(Direction::U, 0.0), 0.5), "{du}, {dv}");
+                assert!(is_up_to(kept(Direction::V, 0.0), 0.75), "{du}, {dv}");
+                assert!(kept(Direction::U, 1.0).is_empty() && kept(Direction::V, 1.0).is_empty());
+            }
+        }
+    }
+
     #[test]
     fn loops_end_at_the_domain_s_border_and_cross_seams() {
         // Half a circle is off the graph: one arc, from border to border.
