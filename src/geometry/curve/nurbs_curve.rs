@@ -3,7 +3,7 @@
 use glam::{DVec3, DVec4, Vec4Swizzles};
 
 use super::CurveError;
-use crate::geometry::knots::MAX_DEGREE;
+use crate::geometry::knots::{MAX_DEGREE, on_span};
 use crate::geometry::magnitude::is_usable;
 use crate::geometry::polygon::elevate;
 use crate::geometry::polygon::{merged, mix_by, refine, restrict, shares};
@@ -184,6 +184,32 @@ impl NurbsCurve {
         let first = (a1.xyz() - a1.w * point) / a.w;
         let second = (a2.xyz() - 2.0 * a1.w * first - a2.w * point) / a.w;
         CurveDerivatives { point, first, second }
+    }
+
+    /// Derivative `order` of the curve at `t`; order 0 is the point. With the homogeneous curve
+    /// `(A, w)`, from `w C = A` by the product rule:
+    ///
+    /// `C⁽ᵏ⁾ = (A⁽ᵏ⁾ − Σⱼ (k over j) w⁽ʲ⁾ C⁽ᵏ⁻ʲ⁾) / w`, j from 1 to k
+    ///
+    /// (Piegl & Tiller 1997, eq. 4.8). At inner knots it belongs to the piece that begins there.
+    pub fn derivative(&self, order: usize, t: f64) -> DVec3 {
+        let (p, span) = (self.knots.degree(), self.knots.span(t));
+        let homogeneous = |order: usize| -> DVec4 {
+            let value = |i| on_span((p, self.knots.values()), (i, order), (span, t));
+            (span - p..=span).map(|i| value(i) * self.control[i]).sum()
+        };
+        let parts: Vec<DVec4> = (0..=order).map(homogeneous).collect();
+        let mut found: Vec<DVec3> = Vec::with_capacity(order + 1);
+        for k in 0..=order {
+            let mut rest = parts[k].xyz();
+            let mut choose = 1.0;
+            for j in 1..=k {
+                choose *= (k - j + 1) as f64 / j as f64;
+                rest -= choose * parts[j].w * found[k - j];
+            }
+            found.push(rest / parts[0].w);
+        }
+        found[order]
     }
 
     /// The same curve with the knot `t` inserted `times` times.

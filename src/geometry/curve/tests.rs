@@ -1,5 +1,7 @@
 //! Curves against the documents' worked examples, and against themselves.
 
+use std::f64::consts::PI;
+
 use glam::{DVec3, DVec4};
 use proptest::prelude::*;
 
@@ -244,6 +246,46 @@ fn halves_and_bernstein_sums_agree_with_de_casteljau() {
     assert!(de_casteljau(&[], 0.5).is_none());
     assert!(de_casteljau(&vec![DVec4::W; MAX_DEGREE + 2], 0.5).is_none());
     assert!(bernstein(MAX_DEGREE + 1, 0.5).is_none());
+}
+
+/// On a curve of polynomials, and on the quarter circle `x + i y = (1 + i t) / (1 − i t)`, whose
+/// derivatives are `2 k! iᵏ / (1 − i t)ᵏ⁺¹`.
+#[test]
+fn derivatives_of_every_order_are_those_of_closed_forms() {
+    // (t, t², t³) on [0, 2], in two pieces.
+    let cube =
+        [[0.0, 0.0, 0.0], [2.0 / 3.0, 0.0, 0.0], [4.0 / 3.0, 4.0 / 3.0, 0.0], [2.0, 4.0, 8.0]];
+    let knots = KnotVector::new(3, vec![0.0, 0.0, 0.0, 0.0, 2.0, 2.0, 2.0, 2.0]).unwrap();
+    let cube = NurbsCurve::new(knots, cube.map(DVec3::from).to_vec(), None).unwrap();
+    let cube = cube.insert_knot(0.7, 1).unwrap();
+    let quarter = KnotVector::bezier(2).unwrap();
+    let corners = [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
+    let quarter = NurbsCurve::new(quarter, corners.to_vec(), Some(vec![1.0, 1.0, 2.0])).unwrap();
+    for k in 0..=20 {
+        let s = 0.05 * f64::from(k);
+        let t = 2.0 * s;
+        let powers = [
+            DVec3::new(t, t * t, t * t * t),
+            DVec3::new(1.0, 2.0 * t, 3.0 * t * t),
+            DVec3::new(0.0, 2.0, 6.0 * t),
+            DVec3::new(0.0, 0.0, 6.0),
+            DVec3::ZERO,
+        ];
+        for (order, expected) in powers.into_iter().enumerate() {
+            let off = cube.derivative(order, t).distance(expected);
+            assert!(off < 1e-13, "derivative {order} at {t}: off by {off:e}");
+        }
+        // As polar coordinates: |1 − i t|² = 1 + t², and the argument of 1 / (1 − i t) is atan t.
+        let mut factorial = 1.0;
+        for order in 1..=5_i32 {
+            factorial *= f64::from(order);
+            let turns = f64::from(order) * 0.5 * PI + f64::from(order + 1) * s.atan();
+            let size = 2.0 * factorial / (1.0 + s * s).sqrt().powi(order + 1);
+            let expected = size * DVec3::new(turns.cos(), turns.sin(), 0.0);
+            let off = quarter.derivative(order as usize, s).distance(expected);
+            assert!(off < 1e-12 * size, "derivative {order} at {s}: off by {off:e}");
+        }
+    }
 }
 
 proptest! {
