@@ -2,15 +2,19 @@
 
 mod area;
 mod bending;
+mod box_axes;
 mod dashes;
 mod defaults;
 mod flatten;
 mod functions;
+mod hodograph;
 mod labels;
 mod panel;
 mod peaks;
 mod png;
+mod projection;
 mod space;
+mod spline_data;
 mod steps;
 mod surfaces;
 mod svg;
@@ -150,7 +154,12 @@ fn panel(plot: Plot) -> Result<Panel, Failure> {
         PlotKind::Curves(entries) => space::curves(title, plane, &entries),
         PlotKind::Basis(basis) => functions::basis(title, basis),
         PlotKind::Blending(form) => functions::blending(title, form),
-        PlotKind::Derivatives(curve) => functions::derivatives(title, nurbs(&curve)?),
+        PlotKind::Derivatives { curve, order } => {
+            functions::derivatives(title, (nurbs(&curve)?, order.value))
+        }
+        PlotKind::Hodograph { curve, order } => {
+            hodograph::hodograph(title, plane, (nurbs(&curve)?, order.value))
+        }
         PlotKind::Curvature(curve) => functions::curvature(title, nurbs(&curve)?),
         PlotKind::Comb { curve, teeth, scale } => {
             steps::comb(title, plane, nurbs(&curve)?, (teeth, scale))

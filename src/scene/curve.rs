@@ -179,7 +179,7 @@ impl CurveSpec {
     }
 
     /// All steps of its transform.
-    fn placed(&self) -> Result<DAffine3, CurveFault> {
+    pub(super) fn placed(&self) -> Result<DAffine3, CurveFault> {
         placed(&self.transform)
             .map_err(|(place, error)| CurveFault::Transform(place.clone(), error))
     }

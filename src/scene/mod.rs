@@ -89,7 +89,7 @@ pub use plot_error::PlotError;
 pub use plot_spec::{BasisSpec, CurveEntry, FigureSpec, ObjectSpec, Plane, PlotKind, PlotSpec};
 pub use plotted::{LoopCurve, LoopCurveKind, PlottedSurface};
 pub use plotted_basis::{PlottedBasis, PlottedFunctions};
-pub use plotted_curve::PlottedCurve;
+pub use plotted_curve::{PlottedCurve, SplineData};
 pub use settings::{IntegratorKind, PictureError, RenderDefaults};
 pub use shape::NamedShape;
 pub use subdivision::{Scheme, Subdivision};

@@ -15,7 +15,7 @@ use crate::geometry::{CornerCutting, CurveError, NurbsCurve, PolygonEnds};
 pub struct Plot {
     /// What stands above it.
     pub title: Option<String>,
-    /// The coordinates of space that are shown; those its curves vary most in if not given.
+    /// How space is shown: if not given, so that no coordinate is hidden in which things vary.
     pub plane: Option<Plane>,
     /// What is drawn.
     pub show: PlotKind<PlottedCurve, PlottedBasis, Vec<PlottedSurface>>,
@@ -71,7 +71,14 @@ impl Checker<'_> {
                 PlotKind::Basis(basis.checked(|place, error| self.error(place, error))?)
             }
             PlotKind::Blending(form) => PlotKind::Blending(*form),
-            PlotKind::Derivatives(curve) => PlotKind::Derivatives(self.nurbs(curve)?),
+            PlotKind::Derivatives { curve, order } => {
+                let (curve, order) = (self.derivable(curve, order)?, order.clone());
+                PlotKind::Derivatives { curve, order }
+            }
+            PlotKind::Hodograph { curve, order } => {
+                let (curve, order) = (self.derivable(curve, order)?, order.clone());
+                PlotKind::Hodograph { curve, order }
+            }
             PlotKind::Curvature(curve) => PlotKind::Curvature(self.nurbs(curve)?),
             PlotKind::Comb { curve, teeth, scale } => {
                 if !(1..=MAX_TEETH).contains(teeth) {
@@ -81,14 +88,14 @@ impl Checker<'_> {
             }
             PlotKind::Insertion { curve, knots } => {
                 let curve = self.nurbs(curve)?;
-                if let PlottedCurve::Nurbs(nurbs) = &curve {
+                if let Some(nurbs) = curve.nurbs() {
                     self.insert(nurbs, knots)?;
                 }
                 PlotKind::Insertion { curve, knots: knots.clone() }
             }
             PlotKind::Elevation { curve, times } => {
                 let curve = self.nurbs(curve)?;
-                if let PlottedCurve::Nurbs(nurbs) = &curve {
+                if let Some(nurbs) = curve.nurbs() {
                     self.elevate(nurbs, times)?;
                 }
                 PlotKind::Elevation { curve, times: times.clone() }
@@ -117,6 +124,20 @@ impl Checker<'_> {
                 PlotKind::Surfaces { of, lines: *lines, net: *net }
             }
         })
+    }
+
+    /// A curve with positive weights that has this derivative.
+    fn derivable(
+        &self,
+        curve: &CurveSpec,
+        order: &Written<usize>,
+    ) -> Result<PlottedCurve, SceneError> {
+        let curve = self.nurbs(curve)?;
+        let degree = curve.knots().degree();
+        if (1..=degree).contains(&order.value) {
+            return Ok(curve);
+        }
+        Err(self.error(&order.place, PlotError::Order { found: order.value, degree }))
     }
 
     /// A curve whose domain holds `t`.
@@ -176,7 +197,7 @@ impl Checker<'_> {
             _ => false,
         };
         if !zero {
-            return spec.curve().map(PlottedCurve::Nurbs).map_err(|e| blame(&self.name, which, e));
+            return spec.plotted_curve().map_err(|fault| blame(&self.name, which, fault));
         }
         let (basis, points) = spec.weighted().map_err(|fault| blame(&self.name, which, fault))?;
         Ok(PlottedCurve::Weighted { basis, points })

@@ -85,6 +85,14 @@ pub enum PlotError {
         /// The degree.
         degree: usize,
     },
+    /// A derivative of a curve that does not exist, or of which nothing is known to be left.
+    #[error("order = {found}: needed is 1 to {degree}, the degree of the curve")]
+    Order {
+        /// The order that was asked for.
+        found: usize,
+        /// The degree.
+        degree: usize,
+    },
     /// Rational functions off the domain.
     #[error("basis: rational functions end with the domain: support = true goes without weights")]
     WeightedSupport,

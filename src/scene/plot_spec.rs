@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::framing::VIEW_FROM;
 use super::{CurveSpec, Knots, Place, Written};
 use crate::geometry::{CornerCutting, MatrixForm, PolygonEnds};
 
@@ -21,14 +22,15 @@ pub struct PlotSpec {
     pub place: Place,
     /// What stands above it.
     pub title: Option<String>,
-    /// The coordinates of space that are shown; those its curves vary most in if not given.
+    /// How space is shown: if not given, so that no coordinate is hidden in which things vary.
     pub plane: Option<Plane>,
     /// What is drawn.
     pub show: PlotKind<CurveSpec, BasisSpec, ObjectSpec>,
 }
 
-/// Two coordinates of space: the one to the right and the one upwards.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The plane of a plot of space: two coordinates, the one to the right and the one upwards, or that
+/// of a parallel view.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Plane {
     /// x and y.
     Xy,
@@ -36,6 +38,28 @@ pub enum Plane {
     Xz,
     /// y and z.
     Yz,
+    /// Across this direction, which points to the viewer; z is upwards.
+    Across(DVec3),
+}
+
+impl Plane {
+    /// As rendered pictures show things if no camera is given: from the front right, above.
+    pub const OBLIQUE: Self = Self::Across(VIEW_FROM);
+
+    /// The unit vectors to the right, upwards and to the viewer.
+    pub fn directions(self) -> [DVec3; 3] {
+        let (right, up) = match self {
+            Self::Xy => (DVec3::X, DVec3::Y),
+            Self::Xz => (DVec3::X, DVec3::Z),
+            Self::Yz => (DVec3::Y, DVec3::Z),
+            Self::Across(toward) => {
+                // Seen from above, x is to the right.
+                let right = DVec3::Z.cross(toward).normalize_or(DVec3::X);
+                (right, toward.normalize_or(DVec3::Z).cross(right))
+            }
+        };
+        [right, up, right.cross(up)]
+    }
 }
 
 /// What a plot can show of curves `C`, basis functions `B` and surfaces `S`, as written or
@@ -49,8 +73,20 @@ pub enum PlotKind<C, B, S> {
     Basis(B),
     /// The functions that blend the four vectors of a matrix form, on `[0, 1]`.
     Blending(MatrixForm),
-    /// The coordinates of a curve's first derivative, and the speed, over the parameter.
-    Derivatives(C),
+    /// The coordinates of a curve's derivative, and its length, over the parameter.
+    Derivatives {
+        /// The curve.
+        curve: C,
+        /// Which derivative, from 1 to the degree.
+        order: Written<usize>,
+    },
+    /// The curve that a curve's derivative runs through.
+    Hodograph {
+        /// The curve.
+        curve: C,
+        /// Which derivative, from 1 to the degree.
+        order: Written<usize>,
+    },
     /// The curvature of a curve over the parameter.
     Curvature(C),
     /// A curve with teeth across it, as long as its curvature.

@@ -45,6 +45,15 @@ pub(crate) fn polylines(svg: &str, color: &str, width: f64) -> Vec<Vec<[f64; 2]>
         .collect()
 }
 
+/// The middles of all circles, in pixels. A ring is two of them.
+pub(crate) fn circles(svg: &str) -> Vec<[f64; 2]> {
+    let places = svg.split("<circle cx=\"").skip(1).map(|rest| {
+        let mut quoted = rest.split('"').step_by(2);
+        [(); 2].map(|()| quoted.next().unwrap().parse::<f64>().unwrap() / SUBPIXELS)
+    });
+    places.collect()
+}
+
 pub(crate) const BLUE: &str = "#0072B2";
 pub(crate) const RED: &str = "#D55E00";
 pub(crate) const GREEN: &str = "#009E73";

@@ -9,6 +9,7 @@ mod figure;
 mod info;
 mod plot;
 mod plot_constructions;
+mod plot_curves;
 mod plot_functions;
 mod plot_surfaces;
 mod render;

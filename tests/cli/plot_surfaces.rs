@@ -1,8 +1,8 @@
 //! `nurbray plot`: trims and surfaces, in their parameters and in space.
 
 use crate::figure::{
-    Axes, BLUE, CURVE, GREEN, RED, ROUNDING, SUBPIXELS, TOLERANCE, attributes, numbers, plotted,
-    polylines,
+    Axes, BLUE, CURVE, GREEN, RED, ROUNDING, SUBPIXELS, TOLERANCE, attributes, circles, numbers,
+    plotted, polylines,
 };
 use crate::sandbox::Sandbox;
 
@@ -160,14 +160,7 @@ fn lines_of_an_open_doo_sabin_surface_end_where_it_does() {
     );
     let svg = plotted(&text, "");
     // The rings of the cage's vertices: the first at (0, 0), the last but the legend's at (3, 3).
-    let rings: Vec<[f64; 2]> = svg
-        .split("<circle cx=\"")
-        .skip(1)
-        .map(|rest| {
-            let mut quoted = rest.split('"').step_by(2);
-            [(); 2].map(|()| quoted.next().unwrap().parse::<f64>().unwrap() / SUBPIXELS)
-        })
-        .collect();
+    let rings = circles(&svg);
     let axes = Axes::new([rings[0], rings[rings.len() - 2]], [[0.0, 0.0], [3.0, 3.0]]);
     // The border of the surface and, twice, the inner borders of faces; then the middle lines of
     // faces: six of length 2, four of them on the border.
@@ -186,4 +179,65 @@ fn lines_of_an_open_doo_sabin_surface_end_where_it_does() {
         }
         assert!((length - expected).abs() < 0.05, "{color}: {length} for {expected}");
     }
+}
+
+/// A loop along two sides of the domain: these are borders, and the diagonal is an edge.
+#[test]
+fn sides_of_loops_along_the_border_are_drawn_as_borders() {
+    let text = "[[plot]]\nshow = { surfaces = { of = \"p\", lines = 0 } }\n[[object]]\nname = \"p\"\n\
+                shape = { plane = { width = 2, height = 2 } }\n\
+                trims = { loops = [{ polygon = [[0, 0], [1, 0], [0, 1]] }] }\n";
+    let svg = plotted(text, "");
+    // Lines of two points are those of the legend.
+    let drawn = |color| polylines(&svg, color, 1.6).into_iter().filter(|line| line.len() > 2);
+    assert_eq!((drawn(BLUE).count(), drawn(RED).count()), (2, 1));
+    let length = |line: Vec<[f64; 2]>| {
+        let last = line[line.len() - 1];
+        (last[0] - line[0][0]).hypot(last[1] - line[0][1])
+    };
+    let side = drawn(BLUE).map(length).fold(0.0, f64::max);
+    let edge = drawn(RED).map(length).fold(0.0, f64::max);
+    assert!((edge / side - std::f64::consts::SQRT_2).abs() < 1e-3, "{edge} and {side}");
+}
+
+/// The corners of a box of size 2 × 3 × 1 in the isometric view: its three edges at a corner are
+/// seen as equally long for their lengths, at angles of 120° to each other.
+#[test]
+fn what_varies_in_all_coordinates_is_seen_from_an_oblique_direction() {
+    let plot = "[[object]]\nname = \"o\"\n[object.shape.catmull_clark]\n\
+                points = [[0, 0, 0], [2, 0, 0], [2, 3, 0], [0, 3, 0], [0, 0, 1], [2, 0, 1], [2, 3, 1], \
+                [0, 3, 1]]\nfaces = [[3, 2, 1, 0], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], \
+                [2, 3, 7, 6], [3, 0, 4, 7]]\n\
+                [[plot]]\nshow = { surfaces = { of = \"o\", net = true, lines = 0 } }\n";
+    let sandbox = Sandbox::with(&[
+        ("auto.toml", plot),
+        ("iso.toml", &format!("{plot}view = [1, -1, 1]\n")),
+        ("xy.toml", &format!("{plot}plane = \"xy\"\n")),
+    ]);
+    let rings = |name: &str| -> (String, Vec<[f64; 2]>) {
+        sandbox.run(&format!("plot {name}.toml -o {name}.svg")).succeeded();
+        let svg = String::from_utf8(sandbox.bytes(&format!("{name}.svg"))).unwrap();
+        let places = circles(&svg).into_iter().step_by(2).collect();
+        (svg, places)
+    };
+    let (svg, places) = rings("iso");
+    let step = |from: usize, to: usize| [0, 1].map(|k| places[to][k] - places[from][k]);
+    let (x, y, z) = (step(0, 1), step(0, 3), step(0, 4));
+    let unit = z[1].abs();
+    for (edge, expected) in
+        [(x, [2.0 * 0.75_f64.sqrt(), 1.0]), (y, [3.0 * 0.75_f64.sqrt(), -1.5]), (z, [0.0, -1.0])]
+    {
+        let off = [0, 1].map(|k| (edge[k] / unit - expected[k]).abs());
+        assert!(off.iter().all(|&off| off * unit <= 4.0 * ROUNDING), "{edge:?}, {unit}: {off:?}");
+    }
+    for name in ["x", "y", "z"] {
+        assert!(svg.contains(&format!("\n{name}\n")), "an axis is called {name}");
+    }
+    // All eight corners are seen apart if nothing is said, but not along z.
+    let distinct = |places: &[[f64; 2]]| {
+        let near = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) < 3.0;
+        let apart = (0..8).filter(|&k| !places[..k].iter().any(|other| near(other, &places[k])));
+        apart.count()
+    };
+    assert_eq!((distinct(&rings("auto").1), distinct(&rings("xy").1)), (8, 4));
 }

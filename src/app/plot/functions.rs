@@ -56,7 +56,7 @@ pub(super) fn basis(title: Option<String>, basis: PlottedBasis) -> Panel {
 }
 
 /// `N′`, `N″`, `N⁽⁴⁾`.
-fn derived(name: &str, order: usize) -> String {
+pub(super) fn derived(name: &str, order: usize) -> String {
     const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     match order {
         0..=3 => format!("{name}{}", ["", "′", "″", "‴"][order]),
@@ -171,20 +171,34 @@ pub(super) fn blending(title: Option<String>, form: MatrixForm) -> Panel {
     )
 }
 
-/// The coordinates of the first derivative that are not zero all along, and the speed.
-pub(super) fn derivatives(title: Option<String>, curve: &NurbsCurve) -> Panel {
-    let coordinates = [("x′", 0), ("y′", 1), ("z′", 2)].into_iter().filter(|&(_, axis)| {
+/// The coordinates of a derivative of which the curve's are not constant, and its length.
+pub(super) fn derivatives(title: Option<String>, (curve, order): (&NurbsCurve, usize)) -> Panel {
+    let spans = pieces(curve.knots());
+    let coordinates = [("x", 0), ("y", 1), ("z", 2)].into_iter().filter(|&(_, axis)| {
         let first = curve.point(0)[axis];
         (1..curve.control().len()).any(|index| curve.point(index)[axis] != first)
     });
     let values = coordinates.map(|(name, axis)| {
         let curve = curve.clone();
-        Function::new(name, &pieces(curve.knots()), move |t| curve.derivatives(t).first[axis])
+        let value = move |t| curve.derivative(order, t)[axis];
+        Function::new(&derived(name, order), &spans, value)
     });
-    let (moving, spans) = (curve.clone(), pieces(curve.knots()));
-    let speed = Function::new("|C′|", &spans, move |t| moving.derivatives(t).first.length());
-    let title = title.unwrap_or_else(|| "First derivative".to_owned());
-    with_knots(functions((title, "C′"), &spans, values.chain([speed])), curve)
+    let (moving, name) = (curve.clone(), derived("C", order));
+    let length = move |t| moving.derivative(order, t).length();
+    let length = Function::new(&format!("|{name}|"), &spans, length);
+    let title = title.unwrap_or_else(|| capital(&derivative(order)));
+    with_knots(functions((title, &name), &spans, values.chain([length])), curve)
+}
+
+/// `first derivative`, `4th derivative`.
+pub(super) fn derivative(order: usize) -> String {
+    format!("{} derivative", ordinal(order))
+}
+
+/// The same words with a capital.
+fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect()
 }
 
 /// A plot of the curvature. Where it has no bound, or a spike far above the rest, it is cut off

@@ -21,6 +21,10 @@ const DASHES: [&[f64]; 4] = [&[], &[7.0, 3.5], &[2.0, 3.0], &[9.0, 3.0, 2.0, 3.0
 /// The colour of control polygons and points, which stay in the background of the curves.
 pub(super) const GREY: RGBColor = RGBColor(130, 130, 130);
 
+/// The colours of words and axes, and of what lies behind everything.
+pub(super) const INK: RGBColor = RGBColor(40, 40, 40);
+pub(super) const GRID: RGBColor = RGBColor(232, 232, 232);
+
 /// The colour of the curve of this number.
 pub(super) fn color(index: usize) -> RGBColor {
     COLORS[index % COLORS.len()]
@@ -45,6 +49,8 @@ pub(super) struct Panel {
 pub(super) enum Scale {
     /// Both lengths in space: a circle is round.
     Space,
+    /// Lengths in a parallel view of space, which has its numbers among the things drawn.
+    View,
     /// Values over a parameter, which runs through this range.
     Function([f64; 2]),
     /// Two parameters, each on a scale of its own.

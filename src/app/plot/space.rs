@@ -1,57 +1,17 @@
-//! Curves in space, as plots of two of their coordinates.
+//! Curves in space.
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use nurbray::geometry::KnotVector;
 use nurbray::math::Measured;
-use nurbray::scene::{CurveEntry, Plane, PlottedCurve};
+use nurbray::scene::{CurveEntry, Plane, PlottedCurve, SplineData};
 
 use super::super::table::digits;
-use super::panel::{GREY, Item, Key, Mark, Panel, Path, Scale, Stroke, color};
+use super::panel::{GREY, Item, Key, Mark, Panel, Path, Stroke, color};
+use super::projection::Projection;
+use super::spline_data::{TANGENTS, spline_data};
 
 /// More control points or knots than this are not labelled: labels would cover them.
 const MOST_LABELS: usize = 12;
-
-/// The projection of space onto a plot.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Projection(Plane);
-
-impl Projection {
-    /// The plane that was asked for, or the two coordinates in which these points vary most.
-    pub(super) fn new(plane: Option<Plane>, points: impl Iterator<Item = DVec3>) -> Self {
-        let around = points.fold(None, |around: Option<(DVec3, DVec3)>, point| {
-            let (low, high) = around.unwrap_or((point, point));
-            Some((low.min(point), high.max(point)))
-        });
-        let extent = around.map_or(DVec3::ZERO, |(low, high)| high - low);
-        Self(plane.unwrap_or({
-            let least = extent.min_element();
-            match extent {
-                extent if extent.z == least => Plane::Xy,
-                extent if extent.y == least => Plane::Xz,
-                _ => Plane::Yz,
-            }
-        }))
-    }
-
-    /// The coordinates of a point that are shown.
-    pub(super) fn of(self, point: DVec3) -> DVec2 {
-        match self.0 {
-            Plane::Xy => DVec2::new(point.x, point.y),
-            Plane::Xz => DVec2::new(point.x, point.z),
-            Plane::Yz => DVec2::new(point.y, point.z),
-        }
-    }
-
-    /// The names of the coordinates that are shown.
-    pub(super) fn axes(self) -> [String; 2] {
-        match self.0 {
-            Plane::Xy => ["x", "y"],
-            Plane::Xz => ["x", "z"],
-            Plane::Yz => ["y", "z"],
-        }
-        .map(str::to_owned)
-    }
-}
 
 /// The spans of a knot vector.
 pub(super) fn pieces(knots: &KnotVector) -> Vec<[f64; 2]> {
@@ -111,6 +71,7 @@ fn joined(points: &[DVec2], texts: impl Iterator<Item = String>) -> Vec<(DVec2, 
     for (&point, text) in points.iter().zip(texts) {
         let near = (1e-9 * extent).max(8.0 * f64::EPSILON * point.abs().max_element());
         match labels.iter_mut().find(|(at, _)| at.distance(point) <= near) {
+            Some((_, before)) if *before == text => {}
             Some((_, before)) => *before += &format!(", {text}"),
             None => labels.push((point, text)),
         }
@@ -129,8 +90,14 @@ pub(super) fn bare_polygon(points: &[DVec2]) -> Vec<Item> {
 /// A control polygon with its points and their names and, if the weights differ, their weights.
 pub(super) fn polygon(points: &[DVec2], weights: &[f64], letter: &str) -> Vec<Item> {
     let mut items = bare_polygon(points);
+    items.extend(names(points, weights, letter));
+    items
+}
+
+/// The names of control points and, if the weights differ, their weights.
+pub(super) fn names(points: &[DVec2], weights: &[f64], letter: &str) -> Vec<Item> {
     if points.len() > MOST_LABELS {
-        return items;
+        return Vec::new();
     }
     let rational = weights.iter().any(|&weight| weight != weights[0]);
     let texts = weights.iter().enumerate().map(|(index, &weight)| match rational {
@@ -138,13 +105,9 @@ pub(super) fn polygon(points: &[DVec2], weights: &[f64], letter: &str) -> Vec<It
         false => indexed(letter, index),
     });
     let middle = points.iter().sum::<DVec2>() / points.len().max(1) as f64;
-    items.extend(joined(points, texts).into_iter().map(|(at, text)| Item::Label {
-        at,
-        towards: outwards(points, at, middle),
-        text,
-        color: GREY,
-    }));
-    items
+    let label =
+        |(at, text)| Item::Label { at, towards: outwards(points, at, middle), text, color: GREY };
+    joined(points, texts).into_iter().map(label).collect()
 }
 
 /// The direction away from the polygon's edges at a point of it, or away from its middle where
@@ -163,17 +126,26 @@ fn outwards(points: &[DVec2], at: DVec2, middle: DVec2) -> DVec2 {
     if away.length() > 0.3 { away } else { at - middle }
 }
 
-/// The points of a curve at its knots, with what to call them: parameter and multiplicity.
-fn knots(curve: &PlottedCurve, projection: Projection) -> (Vec<DVec2>, Vec<String>) {
-    let knots = curve.knots();
-    let (_, end) = knots.domain();
+/// The points of a curve, or of derivative `order` of it, `at` its knots, with what to call them:
+/// parameter and multiplicity. Where it may jump, one point ends a piece and another one begins the
+/// next.
+pub(super) fn knots(
+    knots: &KnotVector,
+    order: usize,
+    at: impl Fn(f64) -> DVec2,
+) -> (Vec<DVec2>, Vec<String>) {
+    let (start, end) = knots.domain();
     let parameters = knots.spans().map(|span| span.start).chain([end]);
-    let named = parameters.map(|t| {
-        let times = match knots.multiplicity(t) {
+    let named = parameters.flat_map(|t| {
+        let multiplicity = knots.multiplicity(t);
+        let times = match multiplicity {
             1 => String::new(),
             times => format!(" (×{times})"),
         };
-        (projection.of(curve.point_at(t)), format!("{}{times}", short(t)))
+        let jumps = multiplicity + order > knots.degree() && start < t && t < end;
+        let before = jumps.then(|| at(t.next_down()));
+        let text = format!("{}{times}", short(t));
+        before.into_iter().chain([at(t)]).map(move |point| (point, text.clone()))
     });
     named.unzip()
 }
@@ -191,7 +163,15 @@ pub(super) fn curves(
     // Polygons lie behind all curves, each once.
     let mut items = Vec::new();
     let mut drawn: Vec<Vec<DVec2>> = Vec::new();
+    let mut given: Vec<&SplineData> = Vec::new();
     for entry in entries.iter().filter(|entry| entry.polygon) {
+        if let PlottedCurve::Spline { data, .. } = &entry.curve {
+            if !given.contains(&data) {
+                items.extend(spline_data(data, projection));
+                given.push(data);
+            }
+            continue;
+        }
         let points: Vec<DVec2> =
             entry.curve.points().into_iter().map(|point| projection.of(point)).collect();
         if !drawn.contains(&points) {
@@ -212,9 +192,12 @@ pub(super) fn curves(
         };
         legend.push((Key::Line(stroke), label));
         if entry.knots {
-            let (points, texts) = knots(&entry.curve, projection);
+            let at = |t| projection.of(entry.curve.point_at(t));
+            let (points, texts) = knots(entry.curve.knots(), 0, at);
             if single && points.len() <= MOST_LABELS {
-                marks.extend(knot_labels(&entry.curve, projection, &points, texts));
+                let controls: Vec<DVec2> =
+                    entry.curve.points().into_iter().map(|p| projection.of(p)).collect();
+                marks.extend(knot_labels(&controls, &points, texts));
             }
             marks.push(Item::Marks { points, mark: Mark::Diamond, color: color(index) });
         }
@@ -222,6 +205,12 @@ pub(super) fn curves(
     items.extend(marks);
     if !drawn.is_empty() {
         legend.push((Key::Point(Mark::Ring, GREY), "control points".to_owned()));
+    }
+    if !given.is_empty() {
+        legend.push((Key::Point(Mark::Ring, GREY), "points".to_owned()));
+    }
+    if given.iter().any(|data| !data.derivatives.is_empty()) {
+        legend.push((Key::Line(Stroke::thin(GREY)), TANGENTS.to_owned()));
     }
     if entries.iter().any(|entry| entry.knots) {
         let shade = if single { color(0) } else { GREY };
@@ -231,17 +220,11 @@ pub(super) fn curves(
         [entry] => entry.label.clone().unwrap_or_else(|| described(&entry.curve)),
         _ => format!("{} curves", entries.len()),
     });
-    Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend }
+    projection.panel(title, items, legend)
 }
 
 /// Labels beside the knots of a curve, towards the middle of its control points.
-fn knot_labels(
-    curve: &PlottedCurve,
-    projection: Projection,
-    points: &[DVec2],
-    texts: Vec<String>,
-) -> Vec<Item> {
-    let controls: Vec<DVec2> = curve.points().into_iter().map(|p| projection.of(p)).collect();
+pub(super) fn knot_labels(controls: &[DVec2], points: &[DVec2], texts: Vec<String>) -> Vec<Item> {
     let middle = controls.iter().sum::<DVec2>() / controls.len().max(1) as f64;
     let labels = joined(points, texts.into_iter()).into_iter();
     labels

@@ -8,10 +8,9 @@ use nurbray::scene::{Plane, PlottedCurve, Written};
 use plotters::style::RGBColor;
 
 use super::bending::Bending;
-use super::panel::{GREY, Item, Key, Mark, Panel, Scale, Stroke, color};
-use super::space::{
-    Projection, bare_polygon, described, entry, path, pieces, polygon, short, told,
-};
+use super::panel::{GREY, Item, Key, Mark, Panel, Stroke, color};
+use super::projection::Projection;
+use super::space::{bare_polygon, described, entry, path, pieces, polygon, short, told};
 
 /// How far the longest tooth of a comb reaches, in shares of the curve's size, if the author
 /// does not say how long a tooth is.
@@ -33,7 +32,7 @@ fn rounds(curve: &PlottedCurve, t: f64) -> Vec<Vec<DVec4>> {
     let (p, knots) = (curve.knots().degree(), curve.knots().values());
     let span = curve.knots().span(t);
     let control: Vec<DVec4> = match curve {
-        PlottedCurve::Nurbs(curve) => curve.control().to_vec(),
+        PlottedCurve::Nurbs(curve) | PlottedCurve::Spline { curve, .. } => curve.control().to_vec(),
         PlottedCurve::Weighted { basis, points } => {
             let weighted = points.iter().zip(basis.weights());
             weighted.map(|(&point, &weight)| (weight * point).extend(weight)).collect()
@@ -109,7 +108,7 @@ pub(super) fn de_casteljau(
     let name = if curve.knots().spans().count() > 1 { "De Boor" } else { "De Casteljau" };
     let title =
         title.unwrap_or_else(|| format!("{name}’s algorithm at t = {}", told(t, end - start)));
-    Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend }
+    projection.panel(title, items, legend)
 }
 
 /// The control polygons of a curve while knots are inserted.
@@ -145,7 +144,7 @@ pub(super) fn insertion(
         legend.push(entry(index, &format!("{} inserted {}", short(knot.value), times(before + 1))));
     }
     let title = title.unwrap_or_else(|| "Knot insertion".to_owned());
-    Ok(Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend })
+    Ok(projection.panel(title, items, legend))
 }
 
 /// The control polygons of a curve while its degree is raised: they come closer to it.
@@ -178,7 +177,7 @@ pub(super) fn elevation(
     let mut legend = vec![(Key::Line(drawn), described(&curve))];
     legend.append(&mut rounds);
     let title = title.unwrap_or_else(|| "Degree elevation".to_owned());
-    Ok(Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend })
+    Ok(projection.panel(title, items, legend))
 }
 
 /// Polygons with their corners cut again and again, and the limit.
@@ -218,7 +217,7 @@ pub(super) fn corner_cutting(
         CornerCutting::Chaikin => "Chaikin’s corner cutting".to_owned(),
         CornerCutting::Cubic => "Cubic corner cutting".to_owned(),
     });
-    Ok(Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend })
+    Ok(projection.panel(title, items, legend))
 }
 
 fn times(number: usize) -> String {
@@ -279,7 +278,7 @@ pub(super) fn comb(
         (Key::Point(Mark::Ring, GREY), "control points".to_owned()),
     ];
     let title = title.unwrap_or_else(|| "Curvature comb".to_owned());
-    Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend }
+    projection.panel(title, items, legend)
 }
 
 #[cfg(test)]

@@ -8,12 +8,16 @@ use nurbray::geometry::{
 use nurbray::scene::{Plane, PlottedSurface};
 use plotters::style::RGBColor;
 
-use super::panel::{COLORS, GREY, Item, Key, Mark, Panel, Path, Scale, Stroke};
-use super::space::{Projection, pieces};
+use super::panel::{COLORS, GREY, Item, Key, Mark, Panel, Path, Stroke};
+use super::projection::Projection;
+use super::space::pieces;
 
 const BORDERS: RGBColor = COLORS[0];
 const EDGES: RGBColor = COLORS[1];
 const LINES: RGBColor = COLORS[5];
+
+/// Each piece of a line is looked at this often to find how far it reaches.
+const LOOKS: u32 = 8;
 
 /// A curve in space on a surface, on these pieces of its parameter.
 struct Line {
@@ -33,7 +37,10 @@ impl Line {
 
     /// Some points of it.
     fn points(&self) -> impl Iterator<Item = DVec3> + '_ {
-        self.pieces.iter().flat_map(|&[a, b]| [0.0, 0.3, 0.7].map(|t| (self.at)(a + t * (b - a))))
+        let shares = (0..=LOOKS).map(|k| f64::from(k) / f64::from(LOOKS));
+        self.pieces.iter().flat_map(move |&[a, b]| {
+            shares.clone().map(move |share| (self.at)((a + share * (b - a)).min(b)))
+        })
     }
 }
 
@@ -101,7 +108,7 @@ pub(super) fn surfaces(
         legend.push((Key::Point(Mark::Ring, GREY), "control points".to_owned()));
     }
     let title = title.unwrap_or_else(|| "In space".to_owned());
-    Ok(Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend })
+    Ok(projection.panel(title, items, legend))
 }
 
 /// `count` evenly spaced values between two others.

@@ -13,7 +13,7 @@ use super::area::keyhole;
 use super::dashes::dashed;
 use super::flatten::flatten;
 use super::labels::placed;
-use super::panel::{Item, Key, Mark, Panel, Stroke};
+use super::panel::{GRID, INK, Item, Key, Mark, Panel, Scale, Stroke};
 use super::ticks::{NUMBER_SIZE, Ticks, width};
 use super::view::{LEFT, RIGHT, View};
 
@@ -46,9 +46,6 @@ const LETTER: f64 = 0.56;
 
 /// The size of the smallest plot that shows anything, in pixels each way.
 const LEAST: f64 = 60.0;
-
-const INK: RGBColor = RGBColor(40, 40, 40);
-const GRID: RGBColor = RGBColor(232, 232, 232);
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Axis<'a>, Axis<'a>>>;
@@ -189,23 +186,28 @@ impl Drawing<'_, '_> {
                 Axis { low: low.x, high: high.x, ticks: &x_ticks },
                 Axis { low: low.y, high: high.y, ticks: &y_ticks },
             )?;
-        let numbers = font(NUMBER_SIZE, INK, Pos::new(HPos::Center, VPos::Top));
-        chart
-            .configure_mesh()
-            .bold_line_style(GRID.stroke_width(SUBPIXELS))
-            .light_line_style(TRANSPARENT)
-            .axis_style(INK.stroke_width(SUBPIXELS))
-            .set_all_tick_mark_size(sub(4.0))
-            .label_style(numbers)
-            .x_label_formatter(&|&value| x_ticks.text(value))
-            .y_label_formatter(&|&value| y_ticks.text(value))
-            .draw()?;
+        if panel.scale != Scale::View {
+            let numbers = font(NUMBER_SIZE, INK, Pos::new(HPos::Center, VPos::Top));
+            chart
+                .configure_mesh()
+                .bold_line_style(GRID.stroke_width(SUBPIXELS))
+                .light_line_style(TRANSPARENT)
+                .axis_style(INK.stroke_width(SUBPIXELS))
+                .set_all_tick_mark_size(sub(4.0))
+                .label_style(numbers)
+                .x_label_formatter(&|&value| x_ticks.text(value))
+                .y_label_formatter(&|&value| y_ticks.text(value))
+                .draw()?;
+        }
         for item in &panel.items {
             self.item(&mut chart, item)?;
         }
         self.labels()?;
         let [across, up] = &panel.axes;
-        self.words([x_ticks.name(across), y_ticks.name(up)])
+        match panel.scale {
+            Scale::View => self.words(Default::default()),
+            _ => self.words([x_ticks.name(across), y_ticks.name(up)]),
+        }
     }
 
     fn labels(&self) -> Result<(), Unable> {

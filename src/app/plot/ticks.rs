@@ -3,11 +3,14 @@
 /// Sizes of letters beside axes in pixels.
 pub(super) const NUMBER_SIZE: f64 = 11.0;
 
+/// The widest number beside an edge of a box in pixels, which has room for others around it.
+const WIDEST: f64 = 44.0;
+
 /// The numbers beside an axis. They say how far a value is from `offset`, in units of `unit`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ticks {
     pub(super) values: Vec<f64>,
-    step: f64,
+    pub(super) step: f64,
     /// One of the values, or 0.
     offset: f64,
     /// 1, or the power of ten that the step is 1, 2 or 5 times as large as.
@@ -15,7 +18,7 @@ pub(super) struct Ticks {
 }
 
 impl Ticks {
-    fn new([low, high]: [f64; 2], step: f64) -> Self {
+    pub(super) fn new([low, high]: [f64; 2], step: f64) -> Self {
         // Values a hair beyond the ends belong to the range.
         let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());
         let count = (last - first).clamp(0.0, 1e4) as u32;
@@ -35,6 +38,28 @@ impl Ticks {
             return shifted;
         }
         Self { unit: power_below(step), ..shifted }
+    }
+
+    /// Some three numbers along an edge of a box, two at least, however far from 0.
+    pub(super) fn along(range: [f64; 2]) -> Self {
+        let step = round_step(0.25 * (range[1] - range[0]));
+        let fits = |ticks: &Self| ticks.labels().all(|(_, width)| width <= WIDEST);
+        Self::fitting(range, Self::finer(range, step), fits)
+    }
+
+    /// The largest round step up to this one at which there are two numbers at least: one alone
+    /// shows no scale.
+    pub(super) fn finer(range: [f64; 2], step: f64) -> f64 {
+        let mut step = step;
+        while Self::new(range, step).values.len() < 2 {
+            let next = round_step(0.4 * step);
+            // False for NaN, and where rounding leaves no two numbers in the range.
+            if !(step > f64::EPSILON * range[0].abs().max(range[1].abs()) && next < step) {
+                break;
+            }
+            step = next;
+        }
+        step
     }
 
     /// The value that takes the fewest digits: 0, or a multiple of the highest power of ten.

@@ -6,14 +6,11 @@ use nurbray::scene::{LoopCurve, LoopCurveKind, PlottedSurface};
 use plotters::style::RGBColor;
 
 use super::area::clipped;
-use super::panel::{COLORS, GREY, Item, Key, Mark, Panel, Path, Scale, Stroke};
+use super::panel::{COLORS, GREY, INK, Item, Key, Mark, Panel, Path, Scale, Stroke};
 use super::space::pieces;
 
 /// The colour of what is kept: pale, so that loops and the grid's numbers show.
 const KEPT: RGBColor = RGBColor(222, 236, 246);
-
-/// The colour of the domain's border.
-const BORDER: RGBColor = RGBColor(40, 40, 40);
 
 /// The tolerance of the filled area, in shares of the domain: a twentieth of a pixel in a picture
 /// of a thousand. The curves drawn over its edges are exact to a tenth of a pixel in any picture.
@@ -51,7 +48,7 @@ pub(super) fn trims(title: Option<String>, plotted: &PlottedSurface) -> Result<P
     let inside = outlines.iter().map(|outline| clipped(&outline[1..], corners));
     rings.extend(inside.filter(|ring| !ring.is_empty()));
     let mut items = vec![Item::Area { rings, color: KEPT }];
-    items.push(Item::Line { points: border, stroke: Stroke::thin(BORDER) });
+    items.push(Item::Line { points: border, stroke: Stroke::thin(INK) });
     // If a loop comes several times, moved by periods, only one copy is drawn as written.
     for outline in &outlines {
         items.push(Item::Line { points: outline.clone(), stroke: Stroke::thin(GREY) });
@@ -146,7 +143,7 @@ fn arrows(outlines: &[Vec<DVec2>], bounds: UvBox) -> Item {
             }
         }
     }
-    Item::Arrows { steps, color: BORDER }
+    Item::Arrows { steps, color: INK }
 }
 
 /// Two points close together around the place at a length `along` of a line.
@@ -177,7 +174,7 @@ fn numbers(loops: &[Vec<LoopCurve>]) -> Vec<Item> {
     });
     let starts: Vec<_> = starts.collect();
     let points = starts.iter().map(|&(_, start, _)| start).collect();
-    let mut items = vec![Item::Marks { points, mark: Mark::Dot, color: BORDER }];
+    let mut items = vec![Item::Marks { points, mark: Mark::Dot, color: INK }];
     if starts.len() > MOST_NUMBERS {
         return items;
     }
@@ -185,7 +182,7 @@ fn numbers(loops: &[Vec<LoopCurve>]) -> Vec<Item> {
         at,
         towards,
         text: format!("loop {number}"),
-        color: BORDER,
+        color: INK,
     }));
     items
 }

@@ -85,7 +85,7 @@ impl View {
         let least = if size > 0.0 { 1e-3 * size } else { low.abs().max_element().max(1.0) };
         let room = 1.0 - 2.0 * room(panel, pixels);
         let (shown, middle) = match panel.scale {
-            Scale::Space => {
+            Scale::Space | Scale::View => {
                 let unit = (extent / (room * pixels)).max_element().max(least / pixels.x);
                 (unit * pixels, 0.5 * low + 0.5 * high)
             }
@@ -110,29 +110,31 @@ impl View {
         self.low + pixel / self.pixels * (self.high - self.low)
     }
 
-    /// The numbers beside both axes. In space they are equally far apart on both.
+    /// The numbers beside both axes, two on each at least, as one alone shows no scale. In space they
+    /// are equally far apart on both, if there is room for them.
     pub(super) fn ticks(self, scale: Scale) -> [Ticks; 2] {
         let unit = (self.high - self.low) / self.pixels * NUMBERS_APART;
         let step = match scale {
-            Scale::Space => [round_step(unit.x); 2],
+            Scale::Space | Scale::View => [round_step(unit.x); 2],
             // Numbers above one another need less room than side by side.
             Scale::Function(_) | Scale::Parameters => {
                 [round_step(unit.x), round_step(0.7 * unit.y)]
             }
         };
+        let ranges = [0, 1].map(|axis| [self.low[axis], self.high[axis]]);
         let across = |ticks: &Ticks| {
             let pixel = |value: f64| self.to_pixels(DVec2::new(value, 0.0)).x;
-            let apart = step[0] / (self.high.x - self.low.x) * self.pixels.x;
+            let apart = ticks.step / (self.high.x - self.low.x) * self.pixels.x;
             ticks.labels().all(|(value, width)| {
                 let end = pixel(value) + 0.5 * width;
                 width + BETWEEN_NUMBERS <= apart && end <= self.pixels.x + RIGHT
             })
         };
         let up = |ticks: &Ticks| ticks.labels().all(|(_, width)| width <= LEFT - BESIDE_NUMBERS);
-        [
-            Ticks::fitting([self.low.x, self.high.x], step[0], across),
-            Ticks::fitting([self.low.y, self.high.y], step[1], up),
-        ]
+        let [x, y] = [0, 1].map(|axis| Ticks::finer(ranges[axis], step[axis]));
+        let is_common = scale == Scale::Space && across(&Ticks::new(ranges[0], x.min(y)));
+        let [x, y] = if is_common { [x.min(y); 2] } else { [x, y] };
+        [Ticks::fitting(ranges[0], x, across), Ticks::fitting(ranges[1], y, up)]
     }
 }
 
@@ -140,7 +142,7 @@ impl View {
 fn room(panel: &Panel, pixels: DVec2) -> DVec2 {
     let labelled = panel.items.iter().any(|item| matches!(item, Item::Label { .. }));
     match panel.scale {
-        Scale::Space | Scale::Parameters if labelled => {
+        Scale::Space | Scale::View | Scale::Parameters if labelled => {
             (LABEL_ROOM / pixels).clamp(DVec2::splat(ROOM), DVec2::splat(MOST_LABEL_ROOM))
         }
         _ => DVec2::splat(ROOM),

@@ -1,5 +1,6 @@
 //! Plots in a scene file, as `plots.md` shows them.
 
+use glam::DVec3;
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -7,7 +8,7 @@ use super::super::keyed::{Keyed, Named};
 use super::curves::CurveKeys;
 use super::kinds::{Kinds, OneOf};
 use super::knot_list::KnotList;
-use super::values::{BasisDegree, Count, Exactly, Number, Point};
+use super::values::{BasisDegree, Count, Exactly, Number, Point, Vector};
 use super::{LoadError, Reader};
 use crate::geometry::{CornerCutting, MatrixForm, PolygonEnds};
 use crate::scene::{
@@ -27,6 +28,7 @@ pub(super) struct FigureKeys {
 pub(super) struct PlotKeys {
     title: Option<Spanned<String>>,
     plane: Option<Spanned<Named<PlaneKey>>>,
+    view: Option<Spanned<Vector>>,
     show: Spanned<OneOf<ShowKeys>>,
 }
 
@@ -44,7 +46,8 @@ enum ShowKeys {
     Curves(Vec<Keyed<EntryKeys>>),
     Basis(Spanned<Keyed<BasisKeys>>),
     Blending(Named<FormKey>),
-    Derivatives(Keyed<OneCurveKeys>),
+    Derivatives(Spanned<Keyed<DerivativeKeys>>),
+    Hodograph(Spanned<Keyed<DerivativeKeys>>),
     Curvature(Keyed<OneCurveKeys>),
     Comb(Keyed<CombKeys>),
     Insertion(Keyed<InsertionKeys>),
@@ -114,6 +117,13 @@ enum FormKey {
 #[serde(deny_unknown_fields)]
 struct OneCurveKeys {
     curve: Spanned<CurveKeys>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DerivativeKeys {
+    curve: Spanned<CurveKeys>,
+    order: Option<Spanned<u32>>,
 }
 
 #[derive(Deserialize)]
@@ -210,20 +220,47 @@ impl Reader<'_, '_> {
         let place = self.source.place(keys.show.span().start);
         let title = keys.title.map(|title| self.name(title)).transpose()?;
         let OneOf(show) = keys.show.into_inner();
-        if let (Some(plane), Some((kind, over))) = (&keys.plane, show.over()) {
-            let place = self.source.place(plane.span().start);
-            let message = format!(
-                "a plot of {kind} is drawn over {over}, not in a plane of space: leave plane out"
-            );
-            return Err(LoadError::malformed(place, message));
-        }
-        let plane = keys.plane.map(|plane| match plane.into_inner().0 {
-            PlaneKey::Xy => Plane::Xy,
-            PlaneKey::Xz => Plane::Xz,
-            PlaneKey::Yz => Plane::Yz,
-        });
+        let plane = self.plane(keys.plane, keys.view, show.over())?;
         let show = self.show(show)?;
         Ok(PlotSpec { place, title: title.map(|title| title.value), plane, show })
+    }
+
+    /// The plane of a plot of space; `over` says what another plot is drawn over.
+    fn plane(
+        &self,
+        plane: Option<Spanned<Named<PlaneKey>>>,
+        view: Option<Spanned<Vector>>,
+        over: Option<(&str, &str)>,
+    ) -> Result<Option<Plane>, LoadError> {
+        let malformed =
+            |at: usize, message: String| Err(LoadError::malformed(self.source.place(at), message));
+        let plane_at = plane.as_ref().map(|plane| (plane.span().start, "plane"));
+        let view_at = view.as_ref().map(|view| (view.span().start, "view"));
+        if let (Some((at, key)), Some((kind, over))) = (plane_at.or(view_at), over) {
+            return malformed(
+                at,
+                format!(
+                    "a plot of {kind} is drawn over {over}, not in a plane of space: leave {key} out"
+                ),
+            );
+        }
+        match (plane.map(|plane| plane.into_inner().0), view) {
+            (None, None) => Ok(None),
+            (Some(PlaneKey::Xy), None) => Ok(Some(Plane::Xy)),
+            (Some(PlaneKey::Xz), None) => Ok(Some(Plane::Xz)),
+            (Some(PlaneKey::Yz), None) => Ok(Some(Plane::Yz)),
+            (None, Some(view)) => match *view.get_ref() {
+                Vector(toward) if toward == DVec3::ZERO => {
+                    let found = "view (0, 0, 0) is no direction: it must not be zero";
+                    malformed(view.span().start, found.to_owned())
+                }
+                Vector(toward) => Ok(Some(Plane::Across(toward))),
+            },
+            (Some(_), Some(view)) => {
+                let both = "both plane and view: a plot has one of them".to_owned();
+                malformed(view.span().start, both)
+            }
+        }
     }
 
     fn show(
@@ -242,7 +279,14 @@ impl Reader<'_, '_> {
                 FormKey::Hermite => MatrixForm::Hermite,
                 FormKey::CatmullRom => MatrixForm::CatmullRom,
             }),
-            ShowKeys::Derivatives(Keyed(keys)) => PlotKind::Derivatives(self.curve(keys.curve)?),
+            ShowKeys::Derivatives(keys) => {
+                let (curve, order) = self.derivative(keys)?;
+                PlotKind::Derivatives { curve, order }
+            }
+            ShowKeys::Hodograph(keys) => {
+                let (curve, order) = self.derivative(keys)?;
+                PlotKind::Hodograph { curve, order }
+            }
             ShowKeys::Curvature(Keyed(keys)) => PlotKind::Curvature(self.curve(keys.curve)?),
             ShowKeys::Comb(Keyed(keys)) => PlotKind::Comb {
                 curve: self.curve(keys.curve)?,
@@ -283,6 +327,20 @@ impl Reader<'_, '_> {
                 net: keys.net,
             },
         })
+    }
+
+    /// A curve and the order of its derivative.
+    fn derivative(
+        &self,
+        keys: Spanned<Keyed<DerivativeKeys>>,
+    ) -> Result<(CurveSpec, Written<usize>), LoadError> {
+        let place = self.source.place(keys.span().start);
+        let Keyed(keys) = keys.into_inner();
+        let order = match keys.order {
+            Some(order) => self.written(order, |order| order as usize),
+            None => Written::new(1, place),
+        };
+        Ok((self.curve(keys.curve)?, order))
     }
 
     fn basis(&self, keys: Spanned<Keyed<BasisKeys>>) -> BasisSpec {

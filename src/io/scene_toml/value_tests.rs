@@ -1,9 +1,9 @@
 //! The errors about keys, names and values that mean nothing.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::tests::{error, scene};
-use crate::scene::{Plane, World};
+use crate::scene::{Plane, PlotKind, World};
 
 /// A sphere, and these lines after it.
 fn with_sphere(lines: &str) -> String {
@@ -216,16 +216,51 @@ fn only_plots_of_space_have_a_plane() {
         ("trims", "{ of = 'sphere' }", "u and v"),
     ] {
         let plot = with_sphere(&format!("[[plot]]\nshow = {{ {kind} = {show} }}\nplane = 'xz'"));
-        assert_eq!(
-            error(&plot),
+        let told = |key: &str| {
             format!(
-                "s.toml:5:9: a plot of {kind} is drawn over {over}, not in a plane of space: leave \
-                 plane out"
+                "a plot of {kind} is drawn over {over}, not in a plane of space: leave {key} out"
             )
-        );
+        };
+        assert_eq!(error(&plot), format!("s.toml:5:9: {}", told("plane")));
+        let view = plot.replace("plane = 'xz'", "view = [1, -1, 1]");
+        assert_eq!(error(&view), format!("s.toml:5:8: {}", told("view")));
     }
     let comb = format!("[[plot]]\nshow = {{ comb = {{ {curve} }} }}\nplane = 'xz'");
     assert_eq!(scene(&comb).plots[0].plane, Some(Plane::Xz));
+
+    let seen = |view: &str| comb.replace("plane = 'xz'", view);
+    let across = Plane::Across(DVec3::new(1.0, -1.0, 1.0));
+    assert_eq!(scene(&seen("view = [1, -1, 1]")).plots[0].plane, Some(across));
+    for (view, told) in [
+        ("view = [0, 0, 0]", "3:8: view (0, 0, 0) is no direction: it must not be zero"),
+        ("plane = 'xy'\nview = [1, 2, 3]", "4:8: both plane and view: a plot has one of them"),
+    ] {
+        assert_eq!(error(&seen(view)), format!("s.toml:{told}"));
+    }
+}
+
+#[test]
+fn derivatives_have_an_order_up_to_the_degree() {
+    let plot = |kind: &str, order: &str| {
+        let curve = "{ bezier = [[0, 0], [1, 2], [2, 0]] }";
+        scene(&format!("[[plot]]\nshow = {{ {kind} = {{ curve = {curve}{order} }} }}"))
+    };
+    for kind in ["derivatives", "hodograph"] {
+        for (order, expected) in [("", 1), (", order = 1", 1), (", order = 2", 2)] {
+            let scene = plot(kind, order);
+            let found = match scene.plots[0].checked(0, &scene).unwrap().show {
+                PlotKind::Derivatives { order, .. } | PlotKind::Hodograph { order, .. } => order,
+                other => panic!("{other:?}"),
+            };
+            assert_eq!(found.value, expected);
+        }
+        for order in [0, 3] {
+            let scene = plot(kind, &format!(", order = {order}"));
+            let told = scene.plots[0].checked(0, &scene).unwrap_err().to_string();
+            let needed = "needed is 1 to 2, the degree of the curve";
+            assert!(told.ends_with(&format!("order = {order}: {needed}")), "{told}");
+        }
+    }
 }
 
 /// The parser would accept a list of values in the order of a table's keys.
