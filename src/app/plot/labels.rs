@@ -22,6 +22,9 @@ const OFF_PLOT: f64 = 1000.0;
 const ASTRAY: f64 = 1.5;
 const FAR: f64 = 1.2;
 
+/// Where all places cost more than this, some line runs through the label.
+const CROWDED: f64 = 20.0;
+
 /// An axis-parallel box in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LabelBox {
@@ -49,25 +52,38 @@ pub(super) fn placed(panel: &Panel, view: View, size: impl Fn(&str) -> DVec2) ->
         let (at, half) = (view.to_pixels(*at), 0.5 * size(text));
         let wished = towards.normalize_or(DVec2::Y);
         let mut best = (f64::INFINITY, LabelBox { middle: at, half });
+        let mut try_at = |step: usize, (direction, away): (DVec2, DVec2)| {
+            let place = LabelBox { middle: at + away, half };
+            let corners = [place.middle - half, place.middle + half];
+            let outside =
+                corners.into_iter().any(|c| !(c.cmpge(DVec2::ZERO) & c.cmple(view.pixels)).all());
+            let cost = ON_LINE * lines.iter().filter(|&&p| place.holds(p)).count() as f64
+                + ON_MARK * marks.iter().filter(|&&p| place.holds(p)).count() as f64
+                + ON_LABEL * boxes.iter().filter(|other| place.overlaps(other)).count() as f64
+                + if outside { OFF_PLOT } else { 0.0 }
+                + ASTRAY * (1.0 - direction.dot(wished))
+                + FAR * step as f64;
+            if cost < best.0 {
+                best = (cost, place);
+            }
+            best.0
+        };
+        let mut least = f64::INFINITY;
         for (step, gap) in GAPS.into_iter().enumerate() {
             for k in 0..DIRECTIONS {
                 let angle = std::f64::consts::TAU * f64::from(k) / f64::from(DIRECTIONS);
                 let direction = DVec2::from_angle(angle);
                 // From the middle of the box to its border.
                 let reach = (half / direction.abs()).min_element();
-                let place = LabelBox { middle: at + (gap + reach) * direction, half };
-                let corners = [place.middle - half, place.middle + half];
-                let outside = corners
-                    .into_iter()
-                    .any(|c| !(c.cmpge(DVec2::ZERO) & c.cmple(view.pixels)).all());
-                let cost = ON_LINE * lines.iter().filter(|&&p| place.holds(p)).count() as f64
-                    + ON_MARK * marks.iter().filter(|&&p| place.holds(p)).count() as f64
-                    + ON_LABEL * boxes.iter().filter(|other| place.overlaps(other)).count() as f64
-                    + if outside { OFF_PLOT } else { 0.0 }
-                    + ASTRAY * (1.0 - direction.dot(wished))
-                    + FAR * step as f64;
-                if cost < best.0 {
-                    best = (cost, place);
+                least = try_at(step, (direction, (gap + reach) * direction));
+            }
+        }
+        if least > CROWDED {
+            for (step, gap) in GAPS.into_iter().enumerate() {
+                for corner in CORNERS {
+                    // A wide box beside its point, above or below its height.
+                    let away = corner * (half + DVec2::new(gap, 0.5 * gap));
+                    try_at(step, (corner.normalize(), away));
                 }
             }
         }
@@ -75,6 +91,10 @@ pub(super) fn placed(panel: &Panel, view: View, size: impl Fn(&str) -> DVec2) ->
     }
     boxes
 }
+
+/// The quadrants in which a label may begin beside its point.
+const CORNERS: [DVec2; 4] =
+    [DVec2::ONE, DVec2::new(1.0, -1.0), DVec2::new(-1.0, 1.0), DVec2::NEG_ONE];
 
 /// Points about a pixel apart along all lines, and the points that are marked.
 fn obstacles(panel: &Panel, view: View) -> (Vec<DVec2>, Vec<DVec2>) {

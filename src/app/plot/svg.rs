@@ -38,6 +38,7 @@ const KEY_LENGTH: f64 = 18.0;
 
 /// Sizes of letters in pixels.
 const TITLE_SIZE: f64 = 15.0;
+const LEAST_TITLE_SIZE: f64 = 10.0;
 const TEXT_SIZE: f64 = 12.0;
 const LABEL_SIZE: f64 = 11.0;
 
@@ -314,10 +315,13 @@ impl Drawing<'_, '_> {
         let long = width(&up, TEXT_SIZE);
         let (at, side) = if long <= end { (end, HPos::Right) } else { (MARGIN, HPos::Left) };
         let free = plot.x - 2.0 * (MARGIN + long + 8.0 - LEFT).max(0.0);
-        let letters = panel.title.chars().count().max(1) as f64;
-        let fitting = TITLE_SIZE.min(free.max(0.2 * plot.x) / (LETTER * letters));
         let bottom = Pos::new(HPos::Center, VPos::Bottom);
-        write(&panel.title, [middle, TITLE - 9.0], font(fitting, INK, bottom))?;
+        let (lines, size) = title_lines(&panel.title, free.max(0.2 * plot.x));
+        let lowest = if lines.len() > 1 { TITLE - 5.0 } else { TITLE - 9.0 };
+        for (index, line) in lines.iter().rev().enumerate() {
+            let y = lowest - 1.2 * size * index as f64;
+            write(line, [middle, y], font(size, INK, bottom))?;
+        }
         write(&up, [at, TITLE - 7.0], font(TEXT_SIZE, INK, Pos::new(side, VPos::Bottom)))?;
         let below = TITLE + plot.y + NUMBERS;
         let top = Pos::new(HPos::Center, VPos::Top);
@@ -363,6 +367,26 @@ impl Drawing<'_, '_> {
         }
         Ok(())
     }
+}
+
+/// A title as lines that fit a width, and the size of their letters: one line in smaller letters,
+/// else two, else two that end with `…`.
+fn title_lines(title: &str, width: f64) -> (Vec<String>, f64) {
+    let letters = |line: &str| line.chars().count().max(1) as f64;
+    let fitting = |line: &str| width / (LETTER * letters(line));
+    if fitting(title) >= LEAST_TITLE_SIZE {
+        return (vec![title.to_owned()], TITLE_SIZE.min(fitting(title)));
+    }
+    // Of all places between words, that with the shortest of longer lines.
+    let spaces = title.match_indices(' ').map(|(at, _)| [&title[..at], &title[at + 1..]]);
+    let longer = |lines: &[&str; 2]| lines.map(|line| line.chars().count()).into_iter().max();
+    let lines = spaces.min_by_key(longer).map_or(vec![title], Vec::from);
+    let most = (width / (LETTER * LEAST_TITLE_SIZE)).max(1.0) as usize;
+    let cut = |line: &str| match line.chars().count() > most {
+        true => line.chars().take(most - 1).chain(['…']).collect(),
+        false => line.to_owned(),
+    };
+    (lines.into_iter().map(cut).collect(), LEAST_TITLE_SIZE)
 }
 
 /// The head of an arrow about its middle; plotters counts downwards.
