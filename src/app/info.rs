@@ -6,6 +6,7 @@ mod edges;
 mod extent;
 mod facts;
 mod gaps;
+mod nearest;
 mod neighbours;
 mod side;
 mod text;

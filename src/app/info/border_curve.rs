@@ -90,6 +90,14 @@ pub(crate) struct BorderCurve<'a> {
     sag: f64,
 }
 
+/// The point of a curve nearest to another point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Foot {
+    pub(crate) point: DVec3,
+    /// How far away it is.
+    pub(crate) distance: f64,
+}
+
 impl<'a> BorderCurve<'a> {
     /// Samples a border. Returns `None` if trims leave nothing of it.
     pub(crate) fn new(chart: &'a Chart<'_>, border: Border) -> Option<Self> {
@@ -148,12 +156,17 @@ impl<'a> BorderCurve<'a> {
         }
 
         let length = length_of(&points);
-        // Over two intervals a curve bulges four times as far from its chord as over one.
+        // Over two intervals a curve bulges four times as far from its chord as over one; but not
+        // out of its plane, so that those of a stack have boxes apart.
         let bulge = |w: &[(f64, DVec3)]| to_segment(w[1].1, [w[0].1, w[2].1]).0;
-        let sag = points.windows(3).map(bulge).fold(0.0, f64::max);
+        let bulges = points.windows(3).map(bulge);
+        let (sag, margin) = bulges.fold((0.0, DVec3::ZERO), |(sag, margin), bulge: DVec3| {
+            (bulge.length().max(sag), bulge.abs().max(margin))
+        });
         let places: Vec<DVec3> = points.iter().map(|point| point.1).collect();
-        let bounds = Aabb::around(places.iter().copied()).grown(sag);
-        let chain = Chain::new(&places, sag);
+        let around = Aabb::around(places.iter().copied());
+        let bounds = Aabb { min: around.min - margin, max: around.max + margin };
+        let chain = Chain::new(&places, margin);
         let ways: Vec<f64> = points.windows(2).map(chord).collect();
         let way = |k: usize| ways.get(k).copied().unwrap_or(0.0);
         let samples = points.iter().enumerate().map(|(k, &(t, point))| {
@@ -163,9 +176,9 @@ impl<'a> BorderCurve<'a> {
         Self { samples: samples.collect(), chain, source, domain, bounds, length, sag }
     }
 
-    /// A box that holds the curve.
-    pub(crate) fn bounds(&self) -> Aabb {
-        self.bounds
+    /// Boxes that hold it part by part.
+    pub(crate) fn boxes(&self) -> &[Aabb] {
+        self.chain.boxes()
     }
 
     /// Its length, by the polyline through its samples.
@@ -189,9 +202,9 @@ impl<'a> BorderCurve<'a> {
         beside
     }
 
-    /// The distance of a point from the curve; `None` if it is more than `near`, if the point lies
-    /// beyond the end of the curve nearest to it, or if trims have cut the nearest point off.
-    pub(crate) fn distance(&self, point: DVec3, near: f64) -> Option<f64> {
+    /// The point of the curve nearest to another; `None` if it is more than `near` away, if the
+    /// other one lies beyond the end of the curve nearest to it, or if trims have cut it off.
+    pub(crate) fn nearest(&self, point: DVec3, near: f64) -> Option<Foot> {
         let reach = near + self.sag;
         let grown = self.bounds.grown(near);
         if !(grown.min.cmple(point).all() && point.cmple(grown.max).all()) {
@@ -201,23 +214,23 @@ impl<'a> BorderCurve<'a> {
         // The search starts on the nearest interval of the polyline.
         let from = |k: usize| {
             let [a, b] = [&self.samples[k], &self.samples[k + 1]];
-            let (distance, share) = to_segment(point, [a.point, b.point]);
-            (distance, a.t + share * (b.t - a.t))
+            let (way, share) = to_segment(point, [a.point, b.point]);
+            (way.length(), a.t + share * (b.t - a.t))
         };
         let nearest = self.chain.nearest(point, reach, |k| from(k).0)?;
-        let (distance, beyond, t) = self.refined(point, from(nearest).1);
-        let there = distance <= near && beyond <= distance.max(near) * BEYOND;
-        (there && self.source.keeps(t)).then_some(distance)
+        let (foot, beyond, t) = self.refined(point, from(nearest).1);
+        let there = foot.distance <= near && beyond <= foot.distance.max(near) * BEYOND;
+        (there && self.source.keeps(t)).then_some(foot)
     }
 
-    /// Searches from `t` on for the point of the curve nearest to `point`. Returns the distance,
-    /// how far `point` lies beyond an end, along the curve, and the parameter of the nearest point.
+    /// Searches from `t` on for the point of the curve nearest to `point`. Returns it, how far
+    /// `point` lies beyond an end, along the curve, and the parameter of the nearest point.
     ///
     /// Gauss–Newton: `C(t + δ) ≈ C + δ C'` is nearest for `δ = (point − C) · C' / |C'|²`. On
     /// curves that meet, the residual is 0 and convergence quadratic.
-    fn refined(&self, point: DVec3, mut t: f64) -> (f64, f64, f64) {
+    fn refined(&self, point: DVec3, mut t: f64) -> (Foot, f64, f64) {
         let (start, end) = self.domain;
-        let mut best = (f64::INFINITY, 0.0, t);
+        let mut best = (Foot { point, distance: f64::INFINITY }, 0.0, t);
         for _ in 0..STEPS {
             let (on_curve, speed) = self.source.tangent(t);
             let step = (point - on_curve).dot(speed) / speed.length_squared();
@@ -226,8 +239,8 @@ impl<'a> BorderCurve<'a> {
                 _ => 0.0,
             };
             let distance = point.distance(on_curve);
-            if distance < best.0 {
-                best = (distance, beyond, t);
+            if distance < best.0.distance {
+                best = (Foot { point: on_curve, distance }, beyond, t);
             }
             let next = (t + step).clamp(start, end);
             if next == t || next.is_nan() {
@@ -275,12 +288,12 @@ const SLIVER: f64 = 16.0;
 /// is beside another part of the model.
 const BEYOND: f64 = 1e-3;
 
-/// The distance of a point from a segment, and where on it (0 to 1) the nearest point is.
-fn to_segment(point: DVec3, [a, b]: [DVec3; 2]) -> (f64, f64) {
+/// The way to a point from the nearest one of a segment, and where on it (0 to 1) that is.
+fn to_segment(point: DVec3, [a, b]: [DVec3; 2]) -> (DVec3, f64) {
     let along = b - a;
     let share = ((point - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
     let share = if share.is_nan() { 0.0 } else { share }; // a segment that is a point
-    (point.distance(a + share * along), share)
+    (point - (a + share * along), share)
 }
 
 #[cfg(test)]
@@ -303,11 +316,11 @@ mod tests {
             let (sin, cos) = (0.123 * f64::from(k)).sin_cos();
             for offset in [0.0, 1e-9, 1e-3] {
                 let point = DVec3::new((1.0 + offset) * cos, (1.0 + offset) * sin, z);
-                let distance = rim.distance(point, 0.01).unwrap();
+                let distance = rim.nearest(point, 0.01).unwrap().distance;
                 // Two evaluations round, and so does the point made here.
                 assert!((distance - offset).abs() < 1e-15, "{k}: {distance} for {offset}");
             }
-            assert_eq!(rim.distance(DVec3::new(0.9 * cos, 0.9 * sin, z), 0.01), None);
+            assert!(rim.nearest(DVec3::new(0.9 * cos, 0.9 * sin, z), 0.01).is_none());
         }
     }
 
@@ -339,9 +352,10 @@ mod tests {
         let [first, .., last] = curve.samples() else { panic!("two points at least") };
         let (first, last) = (first.point, last.point);
         let along = (last - first).normalize();
-        assert_eq!(curve.distance(last, 0.01), Some(0.0));
-        assert_eq!(curve.distance(last + 1e-3 * along, 0.01), None);
+        let distance = |from: DVec3| curve.nearest(from, 0.01).map(|foot| foot.distance);
+        assert_eq!(distance(last), Some(0.0));
+        assert_eq!(distance(last + 1e-3 * along), None);
         let beside = last + 1e-3 * along.cross(DVec3::Z);
-        assert!((curve.distance(beside, 0.01).unwrap() - 1e-3).abs() < 1e-15);
+        assert!((distance(beside).unwrap() - 1e-3).abs() < 1e-15);
     }
 }

@@ -18,12 +18,13 @@ pub(super) struct Chain {
 
 impl Chain {
     /// The hierarchy of a polyline of two points at least, with boxes that are `margin` larger than
-    /// its own.
-    pub(super) fn new(points: &[DVec3], margin: f64) -> Self {
+    /// its own on every side, along each axis.
+    pub(super) fn new(points: &[DVec3], margin: DVec3) -> Self {
         let count = points.len() - 1;
         let around = |k: usize| {
             let end = ((k + 1) * TOGETHER).min(count);
-            Aabb::around(points[k * TOGETHER..=end].iter().copied()).grown(margin)
+            let Aabb { min, max } = Aabb::around(points[k * TOGETHER..=end].iter().copied());
+            Aabb { min: min - margin, max: max + margin }
         };
         let mut levels = vec![(0..count.div_ceil(TOGETHER)).map(around).collect::<Vec<_>>()];
         while let Some(below) = levels.last().filter(|below| below.len() > 1) {
@@ -31,6 +32,11 @@ impl Chain {
             levels.push(below.chunks(TOGETHER).map(united).collect());
         }
         Self { count, levels }
+    }
+
+    /// The boxes of the lowest level, each around a few intervals.
+    pub(super) fn boxes(&self) -> &[Aabb] {
+        &self.levels[0]
     }
 
     /// The interval nearest to a point, the first of equally near ones, if one is within `reach` of
@@ -115,7 +121,7 @@ mod tests {
     #[test]
     fn the_nearest_interval_and_all_that_are_near_another_chain() {
         let (points, others) = (helix(7.0, 1.0), helix(7.0, 1.05));
-        let [chain, other] = [&points, &others].map(|points| Chain::new(points, 0.0));
+        let [chain, other] = [&points, &others].map(|points| Chain::new(points, DVec3::ZERO));
         let middle = |points: &[DVec3], k: usize| 0.5 * (points[k] + points[k + 1]);
         for (n, reach) in [(3usize, 0.1), (77, 0.4), (200, 1.0), (499, 9.0)] {
             let point = 1.1 * middle(&others, n) + DVec3::new(0.01, 0.02, 0.03);
@@ -127,11 +133,11 @@ mod tests {
         }
         assert_eq!(chain.beside(&other, 0.06).len(), 500);
         let far: Vec<DVec3> = points.iter().map(|p| *p + 9.0 * DVec3::X).collect();
-        assert!(chain.beside(&Chain::new(&far, 0.0), 0.06).is_empty());
+        assert!(chain.beside(&Chain::new(&far, DVec3::ZERO), 0.06).is_empty());
         // Six of seven turns farther along the axis, the last turn is beside the first.
         let turns = 0.06 * std::f64::consts::TAU * DVec3::Z;
         let shifted: Vec<DVec3> = points.iter().map(|p| *p + turns).collect();
-        let near = chain.beside(&Chain::new(&shifted, 0.0), 0.01);
+        let near = chain.beside(&Chain::new(&shifted, DVec3::ZERO), 0.01);
         assert!((71..100).contains(&near.len()) && near[near.len() - 1] == 499, "{near:?}");
         assert!(near.is_sorted());
     }

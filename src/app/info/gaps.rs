@@ -41,7 +41,8 @@ pub(crate) struct Fit {
     pub(crate) left_out: Vec<(usize, CurveError)>,
 }
 
-/// Compares every border and trim edge with every other that comes near it.
+/// Compares every border and trim edge with the others beside it, as far as no third one lies
+/// between: see [`nearest`](super::nearest).
 ///
 /// `drawings` gives the drawing (a tube, a net) that each surface belongs to, if any. Tubes and
 /// joints of one drawing run into each other, so borders that nearly meet there have no gap.
@@ -80,11 +81,12 @@ pub(crate) fn fit(surfaces: &[Surface], drawings: &[Option<[usize; 2]>], sizes: 
 
 #[cfg(test)]
 mod tests {
-    use glam::{DAffine3, DVec2};
+    use glam::{DAffine3, DQuat, DVec2};
     use nurbray::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims, UvBox};
     use nurbray::geometry::{KnotVector, NurbsSurface, TrimmedSurface, shapes};
 
     use super::super::edges::Which;
+    use super::super::nearest::KEPT;
     use super::*;
 
     /// [`super::fit`] of whole surfaces.
@@ -107,6 +109,36 @@ mod tests {
     fn plane_at(x: f64, y: f64, z: f64) -> NurbsSurface {
         let plane = shapes::plane(1.0, 1.0).unwrap();
         plane.transformed(&DAffine3::from_translation(DVec3::new(x, y, z))).unwrap()
+    }
+
+    /// Of gaps one behind another, those between neighbours are listed and few others; copies of
+    /// one plate have none.
+    #[test]
+    fn stacks_have_gaps_between_neighbours() {
+        let askew = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.6);
+        for turn in [DQuat::IDENTITY, askew] {
+            // Two stacks of 15, ten times as far apart as their plates.
+            let height = |k: usize| 1e-5 * (k + if k < 15 { 0 } else { 9 }) as f64;
+            let plates: Vec<NurbsSurface> = (0..30)
+                .map(|k| {
+                    let turned = DAffine3::from_rotation_translation(turn, DVec3::ZERO);
+                    plane_at(0.0, 0.0, height(k)).transformed(&turned).unwrap()
+                })
+                .collect();
+            let stack = fit(&plates, 2.0);
+            assert_eq!((stack.borders, stack.nearly, stack.free), (120, 120, 0));
+            assert!(stack.gaps.len() < 4 * 30 * KEPT, "{}", stack.gaps.len());
+            for k in 1..30 {
+                let width = height(k) - height(k - 1);
+                let between = |gap: &&Gap| gap.edges.map(|edge| edge.surface) == [k - 1, k];
+                let found: Vec<f64> =
+                    stack.gaps.iter().filter(between).map(|gap| gap.width).collect();
+                assert_eq!(found.len(), 4, "{k}");
+                assert!(found.iter().all(|it| (it - width).abs() < 1e-14), "{k}: {found:?}");
+            }
+        }
+        let copies = fit(&vec![plane_at(0.0, 0.0, 0.0); 30], 2.0);
+        assert_eq!((copies.meeting, copies.nearly, copies.gaps.len()), (120, 0, 0));
     }
 
     #[test]

@@ -1,11 +1,10 @@
 //! Borders and trim edges that come near each other, and whether they meet.
 
 use glam::DVec3;
-use nurbray::math::Aabb;
 use rayon::prelude::*;
 
-use super::border_curve::BorderCurve;
-use super::edges::{Edge, Edges};
+use super::edges::Edges;
+use super::nearest::{self, View};
 
 /// Borders farther apart than this share of the larger one of their objects' sizes are apart on
 /// purpose: a model of that size is as exact as that.
@@ -35,26 +34,23 @@ struct Neighbours {
 }
 
 impl Neighbours {
-    /// All pairs that come near each other; `sizes` are those of the objects of the surfaces.
-    fn all(edges: &Edges<'_>, sizes: &[f64]) -> Vec<Self> {
-        let largest = sizes.iter().fold(0.0, |a: f64, &b| a.max(b));
-        // The larger object's box is grown by at least as much as the two may be apart, and no box
-        // by much more than its curve is long: else every short one would be near thousands.
-        let grown = |(edge, curve): &(Edge, BorderCurve<'_>)| {
-            let near = near([sizes[edge.surface], largest]);
-            curve.bounds().grown(near.min(NEAR_LENGTH * curve.length()))
+    /// All pairs that lie beside each other with none between.
+    fn all(edges: &Edges<'_>, nearness: &Nearness<'_>) -> Vec<Self> {
+        let views = nearest::views(edges, nearness);
+        let seen = |(curve, view): (usize, &View)| -> Vec<[usize; 2]> {
+            view.others.iter().map(|&other| [curve.min(other), curve.max(other)]).collect()
         };
-        let boxes: Vec<Aabb> = edges.curves.iter().map(grown).collect();
+        let mut pairs: Vec<[usize; 2]> = views.iter().enumerate().flat_map(seen).collect();
+        pairs.sort_unstable();
+        pairs.dedup();
         let looked_at = |&pair: &[usize; 2]| {
-            let [(a, first), (b, second)] = pair.map(|k| &edges.curves[k]);
-            let near = near([sizes[a.surface], sizes[b.surface]])
-                .min(NEAR_LENGTH * first.length().min(second.length()));
-            let distances =
-                [(first, second), (second, first)].map(|(from, to)| distances(from, to, near));
+            let [a, b] = pair;
+            let near = nearness.of(pair);
+            let distances = [[a, b], [b, a]].map(|two| distances(edges, two, near, &views[two[0]]));
             let apart = distances.iter().all(Vec::is_empty);
             (!apart).then(|| Self { pair, distances, rounding: edges.rounding(pair) })
         };
-        overlapping(&boxes).par_iter().filter_map(looked_at).collect()
+        pairs.par_iter().filter_map(looked_at).collect()
     }
 
     /// The samples of one of the two along which the other one meets it. A single sample does not
@@ -92,7 +88,7 @@ impl Neighbours {
 
 /// The pairs that run side by side, and how.
 pub(super) fn side_by_side(edges: &Edges<'_>, sizes: &[f64]) -> Vec<([usize; 2], Beside)> {
-    let neighbours = Neighbours::all(edges, sizes);
+    let neighbours = Neighbours::all(edges, &Nearness::new(edges, sizes));
     // For each curve, the samples where another one meets it: rays cannot pass there.
     let mut joints: Vec<Vec<bool>> =
         edges.curves.iter().map(|(_, curve)| vec![false; curve.samples().len()]).collect();
@@ -106,14 +102,24 @@ pub(super) fn side_by_side(edges: &Edges<'_>, sizes: &[f64]) -> Vec<([usize; 2],
 }
 
 /// The distances of a curve's samples from another curve, with the samples' numbers: only of
-/// samples within `near` and where the surface ends.
-fn distances(from: &BorderCurve<'_>, to: &BorderCurve<'_>, near: f64) -> Vec<(usize, f64)> {
+/// samples within `near` and where the surface ends. Some are known from the curve's view.
+fn distances(
+    edges: &Edges<'_>,
+    [from, to]: [usize; 2],
+    near: f64,
+    view: &View,
+) -> Vec<(usize, f64)> {
+    let [curve, other] = [from, to].map(|k| &edges.curves[k].1);
     let distance = |k: usize| {
-        let sample = &from.samples()[k];
-        let distance = if sample.kept { to.distance(sample.point, near) } else { None };
+        let sample = &curve.samples()[k];
+        let distance = match view.known(to, k) {
+            Some(known) => known,
+            None if !sample.kept => None,
+            None => other.nearest(sample.point, near).map(|foot| foot.distance),
+        };
         Some((k, distance?))
     };
-    from.samples_beside(to, near).into_iter().filter_map(distance).collect()
+    curve.samples_beside(other, near).into_iter().filter_map(distance).collect()
 }
 
 /// How far two borders are apart, and where.
@@ -135,36 +141,39 @@ fn near([a, b]: [f64; 2]) -> f64 {
     (NEAR * a.max(b)).min(NEAR_SMALLER * a.min(b))
 }
 
+/// How near curves must be to each other.
+pub(super) struct Nearness<'a> {
+    edges: &'a Edges<'a>,
+    /// Those of the objects of the surfaces.
+    sizes: &'a [f64],
+    largest: f64,
+}
+
+impl<'a> Nearness<'a> {
+    fn new(edges: &'a Edges<'a>, sizes: &'a [f64]) -> Self {
+        let largest = sizes.iter().fold(0.0, |a: f64, &b| a.max(b));
+        Self { edges, sizes, largest }
+    }
+
+    /// The largest distance at which two curves nearly meet.
+    pub(super) fn of(&self, pair: [usize; 2]) -> f64 {
+        let [(a, first), (b, second)] = pair.map(|k| &self.edges.curves[k]);
+        let shorter = first.length().min(second.length());
+        near([self.sizes[a.surface], self.sizes[b.surface]]).min(NEAR_LENGTH * shorter)
+    }
+
+    /// The largest distance at which a curve may nearly meet any other: by no more than its length
+    /// allows, or every short one would be near thousands.
+    pub(super) fn reach(&self, curve: usize) -> f64 {
+        let (edge, curve) = &self.edges.curves[curve];
+        near([self.sizes[edge.surface], self.largest]).min(NEAR_LENGTH * curve.length())
+    }
+}
+
 /// Two borders that run side by side.
 pub(super) struct Beside {
     /// Whether they meet, to within rounding, all the way.
     pub(super) met: bool,
     /// The largest distance from one to the other, over points where nothing meets the first.
     pub(super) open: Option<Widest>,
-}
-
-/// All pairs of boxes that have a point in common, by sweeping along the axis on which they overlap
-/// least.
-fn overlapping(boxes: &[Aabb]) -> Vec<[usize; 2]> {
-    let whole = boxes.iter().copied().fold(Aabb::EMPTY, Aabb::union).size();
-    let sizes = boxes.iter().map(|b| b.size()).sum::<DVec3>() / whole;
-    // An axis on which all boxes are points at one place divides zero by zero: it tells nothing
-    // apart.
-    let overlap = |axis: &usize| if sizes[*axis].is_nan() { f64::INFINITY } else { sizes[*axis] };
-    let axis = (0..3).min_by(|a, b| overlap(a).total_cmp(&overlap(b))).unwrap_or(0);
-    let mut order: Vec<usize> = (0..boxes.len()).collect();
-    order.sort_by(|&i, &j| boxes[i].min[axis].total_cmp(&boxes[j].min[axis]));
-    let mut open: Vec<usize> = Vec::new();
-    let mut pairs = Vec::new();
-    for next in order {
-        open.retain(|&other| boxes[other].max[axis] >= boxes[next].min[axis]);
-        let common = |&&other: &&usize| {
-            boxes[other].min.cmple(boxes[next].max).all()
-                && boxes[next].min.cmple(boxes[other].max).all()
-        };
-        pairs.extend(open.iter().filter(common).map(|&k| [k.min(next), k.max(next)]));
-        open.push(next);
-    }
-    pairs.sort_unstable();
-    pairs
 }
