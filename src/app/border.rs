@@ -3,7 +3,7 @@
 use std::fmt;
 
 use glam::{DVec2, DVec3};
-use nurbray::geometry::{Chart, ChartMap, Direction, KnotVector, NurbsSurface};
+use nurbray::geometry::{Chart, ChartMap, Direction, KnotVector, NurbsCurve, NurbsSurface};
 use nurbray::math::rounding::residual_factor;
 
 /// The number of intervals between the points of a border that are compared to find a pole.
@@ -99,6 +99,24 @@ impl Border {
         (at.point, if self.fixed == 0 { at.dv } else { at.du })
     }
 
+    /// The border as a curve of its own, where it runs along a row of control points: at a clamped
+    /// end of the domain.
+    pub(crate) fn curve(&self, surface: &NurbsSurface) -> Option<NurbsCurve> {
+        let across = if self.fixed == 0 { surface.knots_u() } else { surface.knots_v() };
+        let (start, end) = across.domain();
+        if self.before || !across.is_clamped() || (self.at != start && self.at != end) {
+            return None;
+        }
+        let (rows, columns) = surface.size();
+        let at = |count: usize| if self.at == start { 0 } else { count - 1 };
+        let (first, step, count) = match self.fixed {
+            0 => (at(rows) * columns, 1, columns),
+            _ => (at(columns), columns, rows),
+        };
+        let points = surface.control()[first..].iter().step_by(step).take(count);
+        NurbsCurve::from_homogeneous(self.knots(surface).clone(), points.copied().collect()).ok()
+    }
+
     /// The point that the border is collapsed to, if all its points agree to within rounding.
     pub(crate) fn pole(&self, surface: &NurbsSurface) -> Option<DVec3> {
         let (start, end) = self.knots(surface).domain();
@@ -173,8 +191,12 @@ mod tests {
             let (start, end) = border.knots(&torus).domain();
             let (t, h) = (0.37 * start + 0.63 * end, 1e-6 * (end - start));
             let ahead = border.point(&torus, t + h) - border.point(&torus, t - h);
-            let (_, tangent) = border.tangent(&torus, t);
+            let (point, tangent) = border.tangent(&torus, t);
             assert!((ahead / (2.0 * h) - tangent).length() < 1e-7 * tangent.length());
+            // The same of the row of control points along the border.
+            let row = border.curve(&torus).unwrap().derivatives(t);
+            assert!(row.point.distance(point) <= rounding(&torus), "{border}");
+            assert!(row.first.distance(tangent) < 1e-14 * tangent.length(), "{border}");
         }
     }
 

@@ -25,7 +25,13 @@ const STEPS: usize = 16;
 #[derive(Debug)]
 enum Source<'a> {
     /// A border of a surface, and the ranges of its parameter where trims keep it.
-    Border { surface: &'a NurbsSurface, border: Border, kept: Vec<[f64; 2]> },
+    Border {
+        surface: &'a NurbsSurface,
+        border: Border,
+        kept: Vec<[f64; 2]>,
+        /// The border alone, where it is simpler than the surface.
+        row: Option<NurbsCurve>,
+    },
     /// A side of a triangle, or a part of a trim edge between two corners.
     Edge(Arc<NurbsCurve>),
 }
@@ -48,11 +54,9 @@ impl Source<'_> {
     /// The point at `t`, and its derivative.
     fn tangent(&self, t: f64) -> (DVec3, DVec3) {
         match self {
-            Self::Border { surface, border, .. } => border.tangent(surface, t),
-            Self::Edge(curve) => {
-                let at = curve.derivatives(t);
-                (at.point, at.first)
-            }
+            Self::Border { surface, border, row: None, .. } => border.tangent(surface, t),
+            Self::Border { row: Some(row), .. } => along(row, t),
+            Self::Edge(curve) => along(curve, t),
         }
     }
 
@@ -61,6 +65,11 @@ impl Source<'_> {
         let Self::Border { kept, .. } = self else { return true };
         kept.iter().any(|&[from, to]| from <= t && t <= to)
     }
+}
+
+fn along(curve: &NurbsCurve, t: f64) -> (DVec3, DVec3) {
+    let at = curve.derivatives(t);
+    (at.point, at.first)
 }
 
 /// A point of a curve.
@@ -102,7 +111,8 @@ impl<'a> BorderCurve<'a> {
     /// Samples a border. Returns `None` if trims leave nothing of it.
     pub(crate) fn new(chart: &'a Chart<'_>, border: Border) -> Option<Self> {
         let (surface, kept) = (&*chart.surface, border.kept(chart));
-        let source = Source::Border { surface, border, kept };
+        let row = border.curve(surface);
+        let source = Source::Border { surface, border, kept, row };
         let curve = Self::sampled(source, border.knots(surface).domain());
         curve.samples.iter().any(|sample| sample.kept).then_some(curve)
     }
