@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::Cage;
+use super::batches::{batches, first_units, patches};
 use super::doo_sabin::refined;
 use super::error::LimitError;
 use super::limit_surface::{FaceRect, LimitSurface};
@@ -43,21 +44,34 @@ impl Cage {
     /// support; when all vertices are on the boundary; when a vertex has two faces.
     pub fn doo_sabin(&self, tolerance: f64) -> Result<LimitSurface, LimitError> {
         check(self.mesh())?;
-        within(tolerance, self.mesh(), |share| self.doo_sabin_patches(tolerance, share))
+        let batches = batches(&self.mesh().topology);
+        within(tolerance, self.mesh(), |share| self.doo_sabin_patches((tolerance, share), &batches))
     }
 
     /// The patches within a share of the tolerance; where they are not exact they may not meet.
-    fn doo_sabin_patches(&self, tolerance: f64, share: f64) -> Result<LimitSurface, LimitError> {
-        let mut tree = Tree::new(2, (tolerance, share), self)?;
-        let mut level = Some(start(self.mesh(), &mut tree)?);
-        for _ in 0..=MAX_LEVELS {
-            let Some((mesh, elements)) = &level else { return tree.patches(self.mesh()) };
-            level = settle(mesh, elements, &mut tree)?;
-        }
-        match level {
-            None => tree.patches(self.mesh()),
-            Some(_) => Err(LimitError::TooDeep { tolerance, levels: MAX_LEVELS }),
-        }
+    pub(super) fn doo_sabin_patches(
+        &self,
+        (tolerance, share): (f64, f64),
+        batches: &[Vec<u32>],
+    ) -> Result<LimitSurface, LimitError> {
+        let units = first_units(&self.mesh().topology);
+        let once = refined(self.mesh());
+        patches((self, batches), 2, (tolerance, share), |faces, tree| {
+            let mut elements = Vec::new();
+            for &face in faces {
+                let place = (face as usize, units[face as usize]);
+                start(self.mesh(), &once, place, (tree, &mut elements))?;
+            }
+            let mut level = settle(&once, &elements, tree)?;
+            for _ in 0..MAX_LEVELS {
+                let Some((mesh, elements)) = &level else { return Ok(()) };
+                level = settle(mesh, elements, tree)?;
+            }
+            match level {
+                None => Ok(()),
+                Some(_) => Err(LimitError::TooDeep { tolerance, levels: MAX_LEVELS }),
+            }
+        })
     }
 }
 
@@ -83,31 +97,32 @@ fn check(mesh: &Mesh) -> Result<(), LimitError> {
     }
 }
 
-/// The mesh after the first step, with a vertex for each corner of the cage.
-fn start(mesh: &Mesh, tree: &mut Tree) -> Result<Level, LimitError> {
+/// Adds the elements of a face's corners in the mesh after the first step, which has a vertex for
+/// each corner of the cage.
+fn start(
+    mesh: &Mesh,
+    once: &Mesh,
+    (face, unit): (usize, usize),
+    (tree, elements): (&mut Tree<'_>, &mut Vec<Element>),
+) -> Result<(), LimitError> {
     let topology = &mesh.topology;
-    let once = refined(mesh);
-    let (mut elements, mut unit) = (Vec::new(), 0);
-    for face in 0..topology.face_count() {
-        let range = topology.face_range(face);
-        let sides = range.len();
-        for (k, corner) in range.enumerate() {
-            if !topology.star(topology.vertex(corner as u32)).closed {
-                continue;
-            }
-            // The middle of the face around the vertex is at corner k of a quad, at (0, 0) of other
-            // squares.
-            let (rect, turn) = if sides == 4 {
-                (FaceRect::whole(face, unit).quarter(k), k)
-            } else {
-                (FaceRect::whole(face, unit + k), 0)
-            };
-            let node = tree.add_root(rect, borders(mesh, corner as u32, turn))?;
-            elements.push(Element { first: first_corner(&once, corner as u32, turn), node });
+    let range = topology.face_range(face);
+    let sides = range.len();
+    for (k, corner) in range.enumerate() {
+        if !topology.star(topology.vertex(corner as u32)).closed {
+            continue;
         }
-        unit += if sides == 4 { 1 } else { sides };
+        // The middle of the face around the vertex is at corner k of a quad, at (0, 0) of other
+        // squares.
+        let (rect, turn) = if sides == 4 {
+            (FaceRect::whole(face, unit).quarter(k), k)
+        } else {
+            (FaceRect::whole(face, unit + k), 0)
+        };
+        let node = tree.add_root(rect, borders(mesh, corner as u32, turn))?;
+        elements.push(Element { first: first_corner(once, corner as u32, turn), node });
     }
-    Ok((once, elements))
+    Ok(())
 }
 
 /// Which sides of a corner's patch are borders of the surface: those towards neighbours in the same
@@ -146,10 +161,13 @@ fn corners(mesh: &Mesh, element: Element) -> [u32; 4] {
     [first, second, third, turned(third)]
 }
 
-fn settle(mesh: &Mesh, elements: &[Element], tree: &mut Tree) -> Result<Option<Level>, LimitError> {
+fn settle(
+    mesh: &Mesh,
+    elements: &[Element],
+    tree: &mut Tree<'_>,
+) -> Result<Option<Level>, LimitError> {
     let topology = &mesh.topology;
     let mut kept = Vec::new();
-    let mut marked = vec![false; topology.vertex_count()];
     for &element in elements {
         let corners = corners(mesh, element);
         let patch = net(mesh, corners);
@@ -157,14 +175,13 @@ fn settle(mesh: &Mesh, elements: &[Element], tree: &mut Tree) -> Result<Option<L
             tree.set_exact(element.node, patch);
         } else if !tree.end(element.node, patch, hull(mesh, corners)) {
             kept.push((corners, tree.open(element.node, Some(patch), Cut::Quarters)?));
-            marked[topology.vertex(element.first) as usize] = true;
         }
     }
     if kept.is_empty() {
         return Ok(None);
     }
 
-    let part = mesh.part_around(&marked);
+    let part = mesh.part_around(kept.iter().map(|(corners, _)| topology.vertex(corners[0])));
     let mut number = vec![0; topology.face_count()];
     for (index, &old) in part.faces.iter().enumerate() {
         number[old as usize] = index;

@@ -1,6 +1,7 @@
 //! The Catmull–Clark limit surface as bicubic patches, by feature-adaptive refinement.
 
 use super::Cage;
+use super::batches::{batches, first_units, patches};
 use super::bicubic::{is_regular, net};
 use super::catmull_clark::refined;
 use super::creased::CreasedQuad;
@@ -26,38 +27,43 @@ impl Cage {
     /// When the tolerance is not a length, is less than [`Cage::smallest_tolerance`], or would need
     /// millions of patches.
     pub fn catmull_clark(&self, tolerance: f64) -> Result<LimitSurface, LimitError> {
-        within(tolerance, self.mesh(), |share| self.catmull_clark_patches(tolerance, share))
+        let batches = batches(&self.mesh().topology);
+        within(tolerance, self.mesh(), |share| {
+            self.catmull_clark_patches((tolerance, share), &batches)
+        })
     }
 
     /// The patches within a share of the tolerance; where they are not exact they may not meet.
-    fn catmull_clark_patches(
+    pub(super) fn catmull_clark_patches(
         &self,
-        tolerance: f64,
-        share: f64,
+        (tolerance, share): (f64, f64),
+        batches: &[Vec<u32>],
     ) -> Result<LimitSurface, LimitError> {
-        let mut tree = Tree::new(3, (tolerance, share), self)?;
-        let borders = Borders(&self.mesh().topology);
-        let mut faces = Vec::new();
-        let mut units = 0;
-        for face in 0..self.face_count() {
-            let sides = self.mesh().topology.face(face).len();
-            let known = if sides == 4 {
-                Known::Node(tree.add_root(FaceRect::whole(face, units), borders.of_quad(face))?)
-            } else {
-                Known::Polygon { face, unit: units }
+        let units = first_units(&self.mesh().topology);
+        patches((self, batches), 3, (tolerance, share), |faces, tree| {
+            let borders = Borders(&self.mesh().topology);
+            let known = |&face: &u32| {
+                let (cage_face, unit) = (face as usize, units[face as usize]);
+                let is_quad = self.mesh().topology.face(cage_face).len() == 4;
+                Ok(match is_quad {
+                    true => {
+                        let whole = FaceRect::whole(cage_face, unit);
+                        (face, Known::Node(tree.add_root(whole, borders.of_quad(cage_face))?))
+                    }
+                    false => (face, Known::Polygon { face: cage_face, unit }),
+                })
             };
-            units += if sides == 4 { 1 } else { sides };
-            faces.push((face as u32, known));
-        }
-        let mut level = settle(self.mesh(), &faces, (&mut tree, borders))?;
-        for _ in 0..MAX_LEVELS {
-            let Some((mesh, faces)) = &level else { return tree.patches(self.mesh()) };
-            level = settle(mesh, faces, (&mut tree, borders))?;
-        }
-        match level {
-            None => tree.patches(self.mesh()),
-            Some(_) => Err(LimitError::TooDeep { tolerance, levels: MAX_LEVELS }),
-        }
+            let faces = faces.iter().map(known).collect::<Result<Vec<_>, LimitError>>()?;
+            let mut level = settle(self.mesh(), &faces, (tree, borders))?;
+            for _ in 0..MAX_LEVELS {
+                let Some((mesh, faces)) = &level else { return Ok(()) };
+                level = settle(mesh, faces, (tree, borders))?;
+            }
+            match level {
+                None => Ok(()),
+                Some(_) => Err(LimitError::TooDeep { tolerance, levels: MAX_LEVELS }),
+            }
+        })
     }
 
     /// A tolerance for pictures: 1e-4 of the cage's largest side, a tenth of a pixel where that
@@ -118,7 +124,7 @@ type Level = (Mesh, Vec<(u32, Known)>);
 fn settle(
     mesh: &Mesh,
     faces: &[(u32, Known)],
-    (tree, borders): (&mut Tree, Borders<'_>),
+    (tree, borders): (&mut Tree<'_>, Borders<'_>),
 ) -> Result<Option<Level>, LimitError> {
     let mut kept = Vec::new();
     for &(face, known) in faces {
@@ -147,13 +153,8 @@ fn settle(
         return Ok(None);
     }
 
-    let mut marked = vec![false; mesh.topology.vertex_count()];
-    for &(face, _) in &kept {
-        for &vertex in mesh.topology.face(face as usize) {
-            marked[vertex as usize] = true;
-        }
-    }
-    let part = mesh.part_around(&marked);
+    let vertices = kept.iter().flat_map(|&(face, _)| mesh.topology.face(face as usize));
+    let part = mesh.part_around(vertices.copied());
     // Both lists are in the order of faces; the quads of a corner have the corner's number.
     let mut children = Vec::with_capacity(4 * kept.len());
     let mut kept = kept.into_iter().peekable();

@@ -45,6 +45,13 @@ pub struct LimitPatch {
     pub exact: bool,
 }
 
+/// The patches of some faces with their control points, sorted by place.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Patches {
+    pub(super) patches: Vec<LimitPatch>,
+    pub(super) control: Vec<DVec3>,
+}
+
 /// A part of a face of a cage: a rectangle in its unit square. Most are squares; beside straight
 /// semi-sharp creases there are strips, squares that were halved only across the crease.
 ///
@@ -147,7 +154,38 @@ impl LimitSurface {
         Self { degree, tolerance, unit_count, patches, control, net }
     }
 
-    pub(super) fn push(&mut self, patch: LimitPatch, net: &[DVec3]) {
+    /// The surface of all these patches, no two of which have parts of one unit square.
+    pub(super) fn gathered(
+        (degree, tolerance): (usize, f64),
+        unit_count: usize,
+        net: ControlNet,
+        parts: &[Patches],
+    ) -> Self {
+        let count = (degree + 1) * (degree + 1);
+        let mut surface = Self::empty(degree, tolerance, unit_count, net);
+        let total = parts.iter().map(|part| part.patches.len()).sum();
+        surface.patches.reserve_exact(total);
+        surface.control.reserve_exact(total * count);
+        // The patches of each unit square lie together in one part.
+        let units = |(part, patches): (usize, &Patches)| {
+            let mut starts = vec![0];
+            let unit = |k: usize| patches.patches[k].rect.unit;
+            starts.extend((1..patches.patches.len()).filter(|&k| unit(k - 1) != unit(k)));
+            let ends = starts[1..].iter().copied().chain([patches.patches.len()]);
+            let ranges = starts.iter().zip(ends).filter(|(start, end)| *start < end);
+            ranges.map(|(&start, end)| (unit(start), part, start..end)).collect::<Vec<_>>()
+        };
+        let mut units: Vec<_> = parts.iter().enumerate().flat_map(units).collect();
+        units.sort_unstable_by_key(|(unit, ..)| *unit);
+        for (_, part, range) in units {
+            let Patches { patches, control } = &parts[part];
+            surface.patches.extend_from_slice(&patches[range.clone()]);
+            surface.control.extend_from_slice(&control[range.start * count..range.end * count]);
+        }
+        surface
+    }
+
+    fn push(&mut self, patch: LimitPatch, net: &[DVec3]) {
         self.patches.push(patch);
         self.control.extend_from_slice(net);
     }

@@ -55,15 +55,21 @@ impl Mesh {
         sum / vertices.len() as f64
     }
 
-    /// All faces that have one of the marked vertices, with their vertices.
+    /// All faces that have one of these vertices, with their vertices, in the order of the faces.
+    /// Each of the vertices has all of its faces in one fan.
     ///
     /// Edges that lose a face keep their sharpness: they do not become creases.
-    pub(super) fn part_around(&self, marked: &[bool]) -> Part {
+    pub(super) fn part_around(&self, vertices: impl Iterator<Item = u32>) -> Part {
         let topology = &self.topology;
-        let touches = |face: &u32| {
-            topology.face(*face as usize).iter().any(|&vertex| marked[vertex as usize])
+        let mut around: Vec<u32> = vertices.collect();
+        around.sort_unstable();
+        around.dedup();
+        let faces_at = |vertex: u32| {
+            topology.star(vertex).corners.into_iter().map(|corner| topology.face_of(corner))
         };
-        let faces: Vec<u32> = (0..topology.face_count() as u32).filter(touches).collect();
+        let mut faces: Vec<u32> = around.into_iter().flat_map(faces_at).collect();
+        faces.sort_unstable();
+        faces.dedup();
 
         // Number the vertices anew, in the order in which they occur.
         let mut number = vec![u32::MAX; topology.vertex_count()];

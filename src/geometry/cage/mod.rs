@@ -27,6 +27,7 @@
 //! ```
 
 mod authored;
+mod batches;
 mod bicubic;
 mod biquadratic;
 mod catmull_clark;

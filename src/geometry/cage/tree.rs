@@ -1,14 +1,13 @@
 //! Rectangles of faces, cut repeatedly until a Bézier patch is the surface or near it.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use glam::DVec3;
 
-use super::Cage;
 use super::creased::CreasedQuad;
 use super::error::LimitError;
-use super::limit_surface::{FaceRect, LimitPatch, LimitSurface};
-use super::mesh::Mesh;
+use super::limit_surface::{FaceRect, LimitPatch, Patches};
 use super::net::{Net, part};
-use super::topology::Topology;
 use crate::math::Aabb;
 
 /// How well a rectangle is known.
@@ -49,9 +48,9 @@ impl Cut {
     }
 }
 
-/// The rectangles of all faces: each root covers a face, each other is a part of its parent.
+/// The rectangles of some faces: each root covers a face, each other is a part of its parent.
 #[derive(Clone, Debug)]
-pub(super) struct Tree {
+pub(super) struct Tree<'a> {
     degree: usize,
     nodes: Vec<(Kind, Net)>,
     /// What is not a part of another.
@@ -59,6 +58,8 @@ pub(super) struct Tree {
     /// The largest allowed distance of a patch from the surface.
     limit: f64,
     tolerance: f64,
+    /// The rectangles of all trees of a surface.
+    count: &'a AtomicUsize,
 }
 
 /// A rectangle with its sides.
@@ -70,25 +71,23 @@ struct Place {
     node: u32,
 }
 
-/// The most rectangles, 2²²: they take 2 GB.
+/// The most rectangles, 2²², of all trees of a surface: at fine tolerances a third of them or more
+/// become patches, which take 2 kB each once they are ready to trace.
 const MAX_RECTS: usize = 1 << 22;
 
 /// The halving steps after which corners are no longer exact in f64.
 pub(super) const MAX_LEVELS: u32 = 52;
 
-impl Tree {
-    /// A tree of nothing. Patches may be at most a share of the tolerance from the surface.
+impl<'a> Tree<'a> {
+    /// A tree of nothing. Patches may be at most a share of the tolerance from the surface. Its
+    /// rectangles are added to `count`, which they share with other trees of the surface.
     pub(super) fn new(
         degree: usize,
         (tolerance, share): (f64, f64),
-        cage: &Cage,
-    ) -> Result<Self, LimitError> {
-        let (magnitude, smallest) = (cage.magnitude(), cage.smallest_tolerance());
-        if !(tolerance >= smallest && tolerance > 0.0 && tolerance.is_finite()) {
-            return Err(LimitError::Tolerance { tolerance, magnitude, smallest });
-        }
+        count: &'a AtomicUsize,
+    ) -> Self {
         let limit = share * tolerance;
-        Ok(Self { degree, nodes: Vec::new(), roots: Vec::new(), limit, tolerance })
+        Self { degree, nodes: Vec::new(), roots: Vec::new(), limit, tolerance, count }
     }
 
     /// Adds a square that is not part of another.
@@ -105,7 +104,7 @@ impl Tree {
     /// Adds rectangles that have no patch yet.
     fn add(&mut self, count: usize) -> Result<u32, LimitError> {
         let first = self.nodes.len();
-        if first + count > MAX_RECTS {
+        if self.count.fetch_add(count, Ordering::Relaxed) + count > MAX_RECTS {
             let (limit, tolerance) = (MAX_RECTS, self.tolerance);
             return Err(LimitError::TooManyPatches { limit, tolerance });
         }
@@ -190,26 +189,18 @@ impl Tree {
         (found <= self.limit).then_some(found)
     }
 
-    /// The patches: the fewest rectangles that are within the limit.
-    pub(super) fn patches(&self, cage: &Mesh) -> Result<LimitSurface, LimitError> {
-        let units = unit_count(&cage.topology);
-        let mut surface =
-            LimitSurface::empty(self.degree, self.tolerance, units, cage.control_net());
+    /// The patches: the fewest rectangles that are within the limit. They are sorted by place.
+    pub(super) fn patches(&self) -> Patches {
         let mut roots = self.roots.clone();
         roots.sort_by_key(|root| root.rect.order()); // faces of n ≠ 4 corners came later
+        let mut patches = Patches::default();
         for root in &roots {
-            self.collect(root, &mut surface);
+            self.collect(root, &mut patches);
         }
-        // u counts unit squares and must still distinguish the places within the smallest patches.
-        let smallest = surface.patches.iter().flat_map(|p| p.rect.size).fold(1.0, f64::min);
-        if smallest < units as f64 * SMALLEST_SIDE {
-            let levels = -smallest.log2() as u32;
-            return Err(LimitError::TooDeep { tolerance: self.tolerance, levels });
-        }
-        Ok(surface)
+        patches
     }
 
-    fn collect(&self, place: &Place, surface: &mut LimitSurface) {
+    fn collect(&self, place: &Place, patches: &mut Patches) {
         let Place { rect, border, node } = *place;
         let (kind, net) = &self.nodes[node as usize];
         let deviation = match *kind {
@@ -220,7 +211,8 @@ impl Tree {
         let used = (self.degree + 1) * (self.degree + 1);
         if let Some(deviation) = deviation {
             let exact = matches!(kind, Kind::Exact);
-            surface.push(LimitPatch { rect, border, deviation, exact }, &net[..used]);
+            patches.patches.push(LimitPatch { rect, border, deviation, exact });
+            patches.control.extend_from_slice(&net[..used]);
         } else if let Kind::Open { first_part, cut, .. } = *kind {
             for &part in cut.parts() {
                 let (mut rect, mut border) = (rect, border);
@@ -229,17 +221,8 @@ impl Tree {
                     rect = rect.half(axis, upper);
                     border[2 * axis + usize::from(!upper)] = false; // a cut
                 }
-                self.collect(&Place { rect, border, node: first_part + part as u32 }, surface);
+                self.collect(&Place { rect, border, node: first_part + part as u32 }, patches);
             }
         }
     }
-}
-
-/// The smallest side of a patch, per unit square: 2⁸ places within it can be told apart.
-const SMALLEST_SIDE: f64 = 1.0 / (1_u64 << 44) as f64;
-
-/// The number of unit squares of all faces.
-fn unit_count(topology: &Topology) -> usize {
-    let sides = (0..topology.face_count()).map(|face| topology.face_range(face).len());
-    sides.map(|sides| if sides == 4 { 1 } else { sides }).sum()
 }
