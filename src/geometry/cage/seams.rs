@@ -1,6 +1,6 @@
 //! Makes patches of a limit surface meet: each seam gets one curve, each vertex one point.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 use glam::DVec3;
 
@@ -8,6 +8,7 @@ use super::error::LimitError;
 use super::limit_surface::{LimitPatch, LimitSurface};
 use super::mesh::Mesh;
 use super::net::halve;
+use super::side_groups::Groups;
 use super::topology::Topology;
 use super::tree::MAX_LEVELS;
 
@@ -37,13 +38,13 @@ pub(super) fn within(
 
 /// A line on the cage along which patches lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Line {
+pub(super) enum Line {
     /// An edge of the cage, directed from the vertex of its first corner.
     Edge(u32),
     /// From the middle of the edge that leaves a corner to the middle of the face.
     Spoke(u32),
     /// A line inside a unit square: the constant parameter, and the bits of its value.
-    Inside { unit: usize, axis: usize, at: u64 },
+    Inside { unit: u32, axis: u8, at: u64 },
 }
 
 /// A point of the cage at which patches have corners; parameters are stored as bits.
@@ -56,22 +57,26 @@ enum Spot {
     Inside(usize, [u64; 2]),
 }
 
+/// The number of a side among those of all patches: four times that of the patch and, as for
+/// borders, 0 for the first u, 1 for the last u, 2 for the first v, 3 for the last v.
+pub(super) type SideNumber = u32;
+
 /// A side of a patch on its line.
 #[derive(Clone, Copy, Debug)]
-struct Side {
-    line: Line,
+pub(super) struct Side {
+    pub(super) line: Line,
     /// Where the side begins and ends on the line.
-    from: f64,
-    to: f64,
+    pub(super) from: f64,
+    pub(super) to: f64,
     /// Whether the patch's parameter runs against the line.
     reversed: bool,
     /// Its length relative to the side of a quad; squares of other faces are half as large.
-    length: f64,
+    pub(super) length: f64,
     /// When it is settled: long ones first, see [`close`].
-    rank: f64,
-    exact: bool,
+    pub(super) rank: f64,
+    pub(super) exact: bool,
     patch: usize,
-    /// The index of the side, as for borders: first u, last u, first v, last v.
+    /// Which of the patch's.
     side: usize,
 }
 
@@ -90,32 +95,31 @@ struct Side {
 /// moved.
 pub(super) fn close(surface: &mut LimitSurface, mesh: &Mesh) {
     let layout = Layout::new(&mesh.topology);
-    let old = surface.control.clone();
-    let mut spots: HashMap<Spot, DVec3> = HashMap::new();
-    for (leader, followers) in groups(surface, &layout) {
+    let mut moved = vec![0.0; surface.patches.len()];
+    let mut spots: HashMap<Spot, DVec3> = HashMap::with_capacity(surface.patches.len());
+    let sides = 0..4 * surface.patches.len() as SideNumber;
+    let groups = Groups::of(sides, |number| layout.side(surface, number));
+    for group in groups.iter() {
+        let leader = layout.side(surface, group[0]);
         let mut curve = row(surface, &leader);
-        let last = curve.len() - 1;
+        let last = surface.degree;
         for (at, point) in layout.ends(surface, &leader).into_iter().zip([0, last]) {
             curve[point] = *spots.entry(at).or_insert(curve[point]);
         }
-        set_row(surface, &leader, &curve);
-        for side in followers {
-            let mut part = part(&curve, [leader.from, leader.to], [side.from, side.to]);
+        moved[leader.patch] = set_row(surface, &leader, &curve).max(moved[leader.patch]);
+        for &follower in &group[1..] {
+            let side = layout.side(surface, follower);
+            let mut part = part((curve, last + 1), [leader.from, leader.to], [side.from, side.to]);
             for (at, point) in layout.ends(surface, &side).into_iter().zip([0, last]) {
                 part[point] = *spots.entry(at).or_insert(part[point]);
             }
-            set_row(surface, &side, &part);
+            moved[side.patch] = set_row(surface, &side, &part).max(moved[side.patch]);
         }
     }
 
     // A patch that moves by only a few rounding errors is as exact as before.
     let magnitude = mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
     let rounding = 16.0 * f64::EPSILON * magnitude;
-    let count = (surface.degree + 1) * (surface.degree + 1);
-    let moved = surface.control.chunks(count).zip(old.chunks(count));
-    let moved = moved.map(|(new, old)| {
-        new.iter().zip(old).map(|(new, old)| new.distance(*old)).fold(0.0, f64::max)
-    });
     for (patch, moved) in surface.patches.iter_mut().zip(moved) {
         if moved > rounding {
             patch.deviation += moved;
@@ -124,65 +128,52 @@ pub(super) fn close(surface: &mut LimitSurface, mesh: &Mesh) {
     }
 }
 
-/// Leading sides, each with the sides that follow it, long ones first.
-fn groups(surface: &LimitSurface, layout: &Layout<'_>) -> Vec<(Side, Vec<Side>)> {
-    let mut sides: Vec<Side> = (0..surface.patches.len())
-        .flat_map(|patch| (0..4).map(move |side| (patch, side)))
-        .map(|(patch, side)| layout.side(surface, patch, side))
-        .collect();
-    sides.sort_by(|a, b| {
-        let length = b.length.total_cmp(&a.length);
-        a.line.cmp(&b.line).then(length).then(b.exact.cmp(&a.exact)).then(a.patch.cmp(&b.patch))
-    });
-    let mut groups: Vec<(Side, Vec<Side>)> = Vec::new();
-    for on_line in sides.chunk_by(|a, b| a.line == b.line) {
-        // Keyed by the bits of where the sides begin; for numbers from 0 on these are in order.
-        let mut leaders: BTreeMap<u64, usize> = BTreeMap::new();
-        for side in on_line {
-            let before = leaders.range(..=side.from.to_bits()).next_back();
-            match before.map(|(_, &group)| group) {
-                Some(group) if side.to <= groups[group].0.to => groups[group].1.push(*side),
-                _ => {
-                    leaders.insert(side.from.to_bits(), groups.len());
-                    groups.push((*side, Vec::new()));
-                }
-            }
-        }
-    }
-    groups.sort_by(|(a, _), (b, _)| b.rank.total_cmp(&a.rank));
-    groups
-}
-
 /// The indices in the net of the control points of a side, along its line.
-fn places(surface: &LimitSurface, side: &Side) -> Vec<usize> {
+fn places(surface: &LimitSurface, side: &Side) -> impl Iterator<Item = usize> + use<> {
     let n = surface.degree;
-    let first = side.patch * (n + 1) * (n + 1);
-    let at = |k: usize| match side.side {
-        0 => k,
-        1 => n * (n + 1) + k,
-        2 => k * (n + 1),
-        _ => k * (n + 1) + n,
-    };
-    (0..=n).map(|k| first + at(if side.reversed { n - k } else { k })).collect()
+    let (first, [start, step]) = (
+        side.patch * (n + 1) * (n + 1),
+        match side.side {
+            0 => [0, 1],
+            1 => [n * (n + 1), 1],
+            2 => [0, n + 1],
+            _ => [n, n + 1],
+        },
+    );
+    let reversed = side.reversed;
+    (0..=n).map(move |k| first + start + step * if reversed { n - k } else { k })
 }
 
-fn row(surface: &LimitSurface, side: &Side) -> Vec<DVec3> {
-    places(surface, side).into_iter().map(|at| surface.control[at]).collect()
+/// The control points of a side along its line, `degree + 1` of them.
+type Row = [DVec3; 4];
+
+fn row(surface: &LimitSurface, side: &Side) -> Row {
+    let mut row = [DVec3::ZERO; 4];
+    for (point, at) in row.iter_mut().zip(places(surface, side)) {
+        *point = surface.control[at];
+    }
+    row
 }
 
-fn set_row(surface: &mut LimitSurface, side: &Side, points: &[DVec3]) {
-    for (at, point) in places(surface, side).into_iter().zip(points) {
+/// Returns by how much the points move, at most: each of them moves once, since all sides that end
+/// at a spot have the same point there.
+fn set_row(surface: &mut LimitSurface, side: &Side, points: &Row) -> f64 {
+    let mut moved = 0.0_f64;
+    for (at, point) in places(surface, side).zip(points) {
+        moved = moved.max(surface.control[at].distance(*point));
         surface.control[at] = *point;
     }
+    moved
 }
 
-/// The part `wanted` of a curve over `whole`, reached by a whole number of halvings.
-fn part(curve: &[DVec3], whole: [f64; 2], wanted: [f64; 2]) -> Vec<DVec3> {
-    let (mut part, [mut from, mut to]) = (curve.to_vec(), whole);
+/// The part `wanted` of a curve of `count` points over `whole`, reached by a whole number of
+/// halvings.
+fn part((mut part, count): (Row, usize), whole: [f64; 2], wanted: [f64; 2]) -> Row {
+    let [mut from, mut to] = whole;
     while [from, to] != wanted {
         let middle = 0.5 * (from + to);
         let upper = wanted[0] >= middle;
-        halve(&mut part, curve.len(), (0, 1), upper);
+        halve(&mut part, count, (0, 1), upper);
         if upper {
             from = middle;
         } else {
@@ -212,7 +203,9 @@ impl<'a> Layout<'a> {
         Self { topology, units }
     }
 
-    fn side(&self, surface: &LimitSurface, patch: usize, side: usize) -> Side {
+    /// The side with a number: see [`SideNumber`].
+    fn side(&self, surface: &LimitSurface, number: SideNumber) -> Side {
+        let (patch, side) = (number as usize / 4, number as usize % 4);
         let LimitPatch { rect, exact, .. } = surface.patches[patch];
         let axis = side / 2;
         let (low, high) = (rect.low, rect.high());
@@ -232,7 +225,8 @@ impl<'a> Layout<'a> {
     /// parameter, and where two values of the other parameter lie on it.
     fn line(&self, unit: usize, axis: usize, fixed: f64, at: [f64; 2]) -> (Line, bool, [f64; 2]) {
         if fixed > 0.0 && fixed < 1.0 {
-            return (Line::Inside { unit, axis, at: fixed.to_bits() }, false, at);
+            let inside = Line::Inside { unit: unit as u32, axis: axis as u8, at: fixed.to_bits() };
+            return (inside, false, at);
         }
         let (corner, quad) = self.units[unit];
         let first = fixed == 0.0;
