@@ -7,9 +7,11 @@ mod extent;
 mod facts;
 mod gaps;
 mod nearest;
+mod nearness;
 mod neighbours;
 mod side;
 mod text;
+mod which;
 
 use std::process::ExitCode;
 

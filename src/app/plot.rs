@@ -14,6 +14,7 @@ mod peaks;
 mod png;
 mod projection;
 mod space;
+mod space_panel;
 mod spline_data;
 mod steps;
 mod surfaces;

@@ -4,14 +4,11 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3, DVec4};
 
+use super::camera::VIEW_FROM;
 use super::{Camera, CameraError, CameraSpec, Lens, Light, Place, Projection, View, Written};
 use crate::geometry::trim::{Side, UvBox};
 use crate::geometry::{Chart, Charts, KnotVector, NurbsSurface, Surface};
 use crate::math::Aabb;
-
-/// Where the camera stands if no place is given: a three-quarter view from the front (−y), the
-/// right, and 25° above, so that three sides of a box show at three different widths.
-pub(super) const VIEW_FROM: DVec3 = DVec3::new(0.45, -0.79, 0.423);
 
 /// The share of the picture's shorter side that the bounding sphere takes up is one over
 /// this: a thin frame of background remains.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::framing::VIEW_FROM;
+use super::camera::VIEW_FROM;
 use super::{CurveSpec, Knots, Place, Written};
 use crate::geometry::{CornerCutting, MatrixForm, PolygonEnds};
 

@@ -1,13 +1,12 @@
 //! The borders and trim edges of surfaces.
 
-use std::fmt;
-
-use nurbray::geometry::{Chart, CurveError, Surface, TriangleSide, TrimmedSurface};
+use nurbray::geometry::{Chart, CurveError, Surface, TrimmedSurface};
 use rayon::prelude::*;
 
-use super::super::border::{Border, rounding};
+use super::super::border::rounding;
 use super::border_curve::BorderCurve;
 use super::side::Side;
+use super::which::Which;
 
 /// A border or a trim edge of one of the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,28 +15,6 @@ pub(crate) struct Edge {
     pub(crate) surface: usize,
     /// Which of its borders or edges.
     pub(crate) which: Which,
-}
-
-/// Which border or trim edge of a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Which {
-    /// A border of a domain that is a rectangle.
-    Border(Border),
-    /// A side of a triangle.
-    Side(TriangleSide),
-    /// A trim edge, from corner to corner, counted from 0.
-    Trim(usize),
-}
-
-impl fmt::Display for Which {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Border(border) => border.fmt(f),
-            Self::Side(TriangleSide::W) => f.write_str("u + v = 1"),
-            Self::Side(side) => write!(f, "{side} = 0"),
-            Self::Trim(number) => write!(f, "trim edge {number}"),
-        }
-    }
 }
 
 /// The borders and trim edges of surfaces.

@@ -8,9 +8,9 @@ use nurbray::patch::{Leaf, Piece};
 use nurbray::scene::World;
 use rayon::prelude::*;
 
-use super::edges::Which;
 use super::extent::{extent, extent_of_parts};
 use super::side::Side;
+use super::which::Which;
 
 /// Facts about all surfaces.
 #[derive(Clone, Debug)]

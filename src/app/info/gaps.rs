@@ -85,8 +85,8 @@ mod tests {
     use nurbray::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims, UvBox};
     use nurbray::geometry::{KnotVector, NurbsSurface, TrimmedSurface, shapes};
 
-    use super::super::edges::Which;
     use super::super::nearest::KEPT;
+    use super::super::which::Which;
     use super::*;
 
     /// [`super::fit`] of whole surfaces.

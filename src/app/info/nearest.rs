@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use super::border_curve::Foot;
 use super::edges::Edges;
-use super::neighbours::Nearness;
+use super::nearness::Nearness;
 
 /// How many curves near a place are compared even if one hides another: more than the two or three
 /// faces that meet along one edge of a proper model.

@@ -5,7 +5,7 @@ use nurbray::geometry::{Chart, NurbsCurve, Surface, TriangleSide};
 
 use super::super::border::Border;
 use super::border_curve::BorderCurve;
-use super::edges::Which;
+use super::which::Which;
 
 /// A border of a surface, which may be collapsed to a point.
 pub(super) enum Side<'a> {

@@ -12,7 +12,7 @@ use super::edges::Edge;
 use super::extent::tolerance;
 use super::facts::{Facts, SurfaceFacts};
 use super::gaps::Fit;
-use super::neighbours::{NEAR, NEAR_SMALLER};
+use super::nearness::{NEAR, NEAR_SMALLER};
 
 /// More gaps than this are counted, not listed: `--json` has them all.
 const GAPS_LISTED: usize = 20;

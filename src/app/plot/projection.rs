@@ -4,18 +4,15 @@ use glam::{DVec2, DVec3};
 use nurbray::math::Aabb;
 use nurbray::scene::Plane;
 
-use super::box_axes::box_axes;
-use super::panel::{Item, Key, Panel, Scale};
-
 /// Things that vary in a coordinate by no more than this share of their size are flat.
 const FLAT: f64 = 1e-6;
 
 /// The projection of space onto a plot.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Projection {
-    plane: Plane,
+    pub(super) plane: Plane,
     /// A box around the things that are shown.
-    bounds: Aabb,
+    pub(super) bounds: Aabb,
 }
 
 impl Projection {
@@ -37,31 +34,6 @@ impl Projection {
                 DVec2::new(right.dot(point), up.dot(point))
             }
         }
-    }
-
-    /// A panel of things in this projection.
-    pub(super) fn panel(
-        self,
-        title: String,
-        mut items: Vec<Item>,
-        legend: Vec<(Key, String)>,
-    ) -> Panel {
-        let axes = match self.plane {
-            Plane::Xy => ["x", "y"],
-            Plane::Xz => ["x", "z"],
-            Plane::Yz => ["y", "z"],
-            Plane::Across(_) => {
-                items.splice(0..0, box_axes(self.bounds, self));
-                return Panel {
-                    title,
-                    axes: Default::default(),
-                    scale: Scale::View,
-                    items,
-                    legend,
-                };
-            }
-        };
-        Panel { title, axes: axes.map(str::to_owned), scale: Scale::Space, items, legend }
     }
 
     /// The direction to the viewer.

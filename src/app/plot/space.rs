@@ -95,7 +95,7 @@ pub(super) fn polygon(points: &[DVec2], weights: &[f64], letter: &str) -> Vec<It
 }
 
 /// The names of control points and, if the weights differ, their weights.
-pub(super) fn names(points: &[DVec2], weights: &[f64], letter: &str) -> Vec<Item> {
+fn names(points: &[DVec2], weights: &[f64], letter: &str) -> Vec<Item> {
     if points.len() > MOST_LABELS {
         return Vec::new();
     }
@@ -167,7 +167,10 @@ pub(super) fn curves(
     for entry in entries.iter().filter(|entry| entry.polygon) {
         if let PlottedCurve::Spline { data, .. } = &entry.curve {
             if !given.contains(&data) {
-                items.extend(spline_data(data, projection));
+                let seen = data.points.iter().map(|&point| projection.of(point));
+                let seen: Vec<DVec2> = seen.collect();
+                items.extend(spline_data(data, &seen, projection));
+                items.extend(names(&seen, &vec![1.0; seen.len()], "P"));
                 given.push(data);
             }
             continue;

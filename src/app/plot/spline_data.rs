@@ -5,7 +5,6 @@ use nurbray::scene::SplineData;
 
 use super::panel::{GREY, Item, Mark, Stroke};
 use super::projection::Projection;
-use super::space::names;
 
 /// How long tangents are drawn, as a share of the derivatives: from a point to the control point
 /// beside it.
@@ -17,13 +16,11 @@ const HEAD: [f64; 2] = [0.93, 0.97];
 /// What the legend calls the tangents.
 pub(super) const TANGENTS: &str = "derivatives × 1/3";
 
-/// The points with their names, and their polygon, or the tangents if there are any.
-pub(super) fn spline_data(data: &SplineData, projection: Projection) -> Vec<Item> {
-    let seen = data.points.iter().map(|&point| projection.of(point));
-    let points: Vec<DVec2> = seen.collect();
+/// The points, where they are `seen`, and their polygon, or the tangents if there are any.
+pub(super) fn spline_data(data: &SplineData, seen: &[DVec2], projection: Projection) -> Vec<Item> {
     let mut items = Vec::new();
     if data.derivatives.is_empty() {
-        let outline = points.iter().chain(points.first().filter(|_| data.closed)).copied();
+        let outline = seen.iter().chain(seen.first().filter(|_| data.closed)).copied();
         items.push(Item::Line { points: outline.collect(), stroke: Stroke::thin(GREY) });
     }
     let tangents = data
@@ -40,7 +37,6 @@ pub(super) fn spline_data(data: &SplineData, projection: Projection) -> Vec<Item
     let heads = tangents.iter().filter(|[from, to]| from != to);
     let steps = heads.map(|[from, to]| HEAD.map(|share| from.lerp(*to, share))).collect();
     items.push(Item::Arrows { steps, color: GREY });
-    items.push(Item::Marks { points: points.clone(), mark: Mark::Ring, color: GREY });
-    items.extend(names(&points, &vec![1.0; points.len()], "P"));
+    items.push(Item::Marks { points: seen.to_vec(), mark: Mark::Ring, color: GREY });
     items
 }

@@ -3,7 +3,8 @@
 use glam::{DVec2, DVec3};
 
 use super::borders::{
-    TRIM_REACH, TRIM_SPARE, at_border, on_piece, root_reach, rounding_at, trim_reach,
+    AIMED, AIMED_AT_TRIMS, TRIM_REACH, TRIM_SPARE, at_border, on_piece, root_reach, rounding_at,
+    trim_reach,
 };
 use super::grazing::KnownRoot;
 use super::meeting::{Cover, Meeting};
@@ -422,12 +423,3 @@ fn is_same_root(proof: Proof, leaf: &Leaf, (root, start): (&Root, &Piece), reach
 /// Twice the distance from the surface, in errors, that a ray must reach between a pole and the
 /// next root for the two to be told apart; with two errors and less they were seen as one.
 const CLEAR_OF_POLE: f64 = 16.0;
-
-/// A ray aimed at a point of a border, or of a trim edge, passes the point within this part of the
-/// rounding error bound there: 0.1 is the most that was seen.
-pub(crate) const AIMED: f64 = 0.25;
-
-/// The part that counts, for such a ray, of the error bounds of parameters and trim curves. These
-/// allow for many more roundings than there are; in space they may be more than a border that meets
-/// the edge allows, so that a ray would be said to meet the edge alone, without doubt.
-pub(crate) const AIMED_AT_TRIMS: f64 = 0.0625;

@@ -12,6 +12,15 @@ pub(crate) fn rounding_at(point: DVec3, piece: &Piece, ray: &RayFrame) -> f64 {
     piece.patch.residual_factor() * point.abs().max_element().max(ray.magnitude)
 }
 
+/// A ray aimed at a point of a border, or of a trim edge, passes the point within this part of the
+/// rounding error bound there: 0.1 is the most that was seen.
+pub(crate) const AIMED: f64 = 0.25;
+
+/// The part that counts, for such a ray, of the error bounds of parameters and trim curves. These
+/// allow for many more roundings than there are; in space they may be more than a border that meets
+/// the edge allows, so that a ray would be said to meet the edge alone, without doubt.
+pub(crate) const AIMED_AT_TRIMS: f64 = 0.0625;
+
 /// Returns the place itself if it is on the piece, else the point of the piece's border that is
 /// nearest to the ray there.
 ///

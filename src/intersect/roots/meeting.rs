@@ -4,8 +4,7 @@ use std::cmp::Ordering;
 
 use glam::{DVec2, DVec3};
 
-use super::accept::AIMED;
-use super::borders::rounding_at;
+use super::borders::{AIMED, rounding_at};
 use crate::intersect::HitFlags;
 use crate::math::RayFrame;
 use crate::patch::{Jet, Piece};
