@@ -43,6 +43,7 @@ mod mesh;
 mod net;
 mod ring;
 mod seams;
+mod side;
 mod side_groups;
 mod topology;
 mod tree;

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::seams::{Line, Side, SideNumber};
+use super::side::{Line, Side, SideNumber};
 
 /// The sides of patches in groups: a leading one, and those that follow it. They are the longest
 /// sides on each line, and among equally long ones exact ones, with the sides that lie within them.
