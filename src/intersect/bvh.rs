@@ -28,8 +28,8 @@ pub struct SurfaceBvh {
     pub(super) leaf_width: f64,
     /// See [`ReachOfF32::of_tree`].
     pub(super) reach_of_f32: f64,
-    /// Bounds of all that a ray from within that reach may be said to meet: single rays that pass
-    /// beside this box are misses.
+    /// Bounds of all that a ray from within that reach may be said to meet: single rays, and those
+    /// of streams, that pass beside this box are misses.
     pub(super) surroundings: Aabb,
 }
 

@@ -24,8 +24,8 @@ use super::nearness::Nearness;
 /// faces that meet along one edge of a proper model.
 pub(super) const KEPT: usize = 4;
 
-/// How many hidden curves are looked at from a sample that is not one of three: the curves seen from
-/// those three, and from samples between, come first, and mostly hide all the rest.
+/// How many hidden curves are looked at from a sample that is not one of three: the curves seen
+/// from those three, and from samples between, come first, and mostly hide all the rest.
 const HIDDEN: usize = 16;
 
 /// What was seen from the samples of a curve.

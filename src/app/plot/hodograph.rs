@@ -66,8 +66,8 @@ pub(super) fn hodograph(
 /// The control points of derivative `order` of a curve without weights; `None` if it has weights
 /// that differ, or jumps.
 ///
-/// Each time, `D_i = p (P_{i+1} − P_i) / (t_{i+p+1} − t_{i+1})` over the knots without the first and
-/// the last one (Piegl & Tiller 1997, eq. 3.4).
+/// Each time, `D_i = p (P_{i+1} − P_i) / (t_{i+p+1} − t_{i+1})` over the knots without the first
+/// and the last one (Piegl & Tiller 1997, eq. 3.4).
 fn control_points(curve: &NurbsCurve, order: usize) -> Option<Vec<DVec3>> {
     let weight = curve.control()[0].w;
     if curve.control().iter().any(|point| point.w != weight) {

@@ -110,8 +110,8 @@ impl View {
         self.low + pixel / self.pixels * (self.high - self.low)
     }
 
-    /// The numbers beside both axes, two on each at least, as one alone shows no scale. In space they
-    /// are equally far apart on both, if there is room for them.
+    /// The numbers beside both axes, two on each at least, as one alone shows no scale. In space
+    /// they are equally far apart on both, if there is room for them.
     pub(super) fn ticks(self, scale: Scale) -> [Ticks; 2] {
         let unit = (self.high - self.low) / self.pixels * NUMBERS_APART;
         let step = match scale {

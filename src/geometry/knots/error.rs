@@ -86,7 +86,8 @@ pub enum KnotError {
     /// The number of knots does not match the degree and the control points.
     #[error(
         "{}, but {points} points of degree {degree} need {}{}",
-        Counted(*.knots, "knot"), points + degree + 1, Miscounted { knots: *.knots, points: *.points, degree: *.degree }
+        Counted(*.knots, "knot"), points + degree + 1,
+        Miscounted { knots: *.knots, points: *.points, degree: *.degree }
     )]
     Count {
         /// The number of knots given.

@@ -77,8 +77,8 @@ impl Trims {
     /// Each loop's chains of pieces inside the domain, in the direction of the loop, without those
     /// on the domain's border, which cut nothing, and those whose two sides are alike. No piece
     /// crosses a line of constant parameter among `cuts` (in u, in v) by more than the rounding
-    /// error of the curve, and nothing is cut off that is no longer than this error; all pieces of a
-    /// loop have the same degree. A loop that never meets the domain's border is one chain, whose
+    /// error of the curve, and nothing is cut off that is no longer than this error; all pieces of
+    /// a loop have the same degree. A loop that never meets the domain's border is one chain, whose
     /// last piece ends where the first begins.
     pub(crate) fn edge_chains(&self, cuts: [&[f64]; 2]) -> Vec<Vec<EdgePiece>> {
         let domain = self.domain();

@@ -339,9 +339,11 @@ mod tests {
                     assert!(end.distance(plane.point_at(u, v)) < 2e-15, "{du}, {dv}: {end}");
                 }
                 let kept = |direction, at| part.trims().kept_along(direction, at);
-                let is_up_to = |kept: Vec<[f64; 2]>, end: f64| matches!(kept[..], [[0.0, to]] if (to - end).abs() < 2e-15);
-                assert!(is_up_to(kept(Direction::U, 0.0), 0.5), "{du}, {dv}");
-                assert!(is_up_to(kept(Direction::V, 0.0), 0.75), "{du}, {dv}");
+                for (direction, end) in [(Direction::U, 0.5), (Direction::V, 0.75)] {
+                    let found = kept(direction, 0.0);
+                    let is_so = matches!(found[..], [[0.0, to]] if (to - end).abs() < 2e-15);
+                    assert!(is_so, "{du}, {dv}: {found:?}");
+                }
                 assert!(kept(Direction::U, 1.0).is_empty() && kept(Direction::V, 1.0).is_empty());
             }
         }

@@ -6,8 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::same_place::{Reach, moved};
 use crate::geometry::Direction;
-use crate::intersect::roots::borders::AIMED_AT_TRIMS;
-use crate::intersect::roots::borders::{root_reach, trim_reach};
+use crate::intersect::roots::borders::{AIMED_AT_TRIMS, root_reach, trim_reach};
 use crate::intersect::roots::meeting::Meeting;
 use crate::math::bernstein::restrict;
 use crate::patch::{CollapsedSide, Piece};

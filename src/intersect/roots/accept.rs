@@ -196,11 +196,11 @@ impl<'a> Candidate<'a> {
             && flags.without(HitFlags::TRIM_EDGE).is_empty()
             && (at_trims || self.is_at_border())
             && question.starts_on_edge_at(point, cosine, z_error);
-        match is_start {
-            true if is_short(self.leaf, from_start) => Err(Dropped::Surely),
-            true => Err(Dropped::InDoubt(0.0)),
-            false => Ok(()),
+        if !is_start {
+            return Ok(());
         }
+        let is_known = is_short(self.leaf, from_start);
+        Err(if is_known { Dropped::Surely } else { Dropped::InDoubt(0.0) })
     }
 
     /// Drops what lies outside the ray's range. At the ends of the range, and at trim edges that
@@ -350,8 +350,9 @@ fn on_ray<'a>(
     Err(if unexplained { Dropped::from(from, ray) } else { Dropped::Surely })
 }
 
-/// Whether roots that may be this far apart along a ray can be said to be one: where the distance is
-/// less than the leaf's slack. How far the root at the tip of a spike may be from there, nobody knows.
+/// Whether roots that may be this far apart along a ray can be said to be one: where the distance
+/// is less than the leaf's slack. How far the root at the tip of a spike may be from there, nobody
+/// knows.
 fn is_short(leaf: &Leaf, reach: f64) -> bool {
     let [x, y] = leaf.half_side_lengths().map(f64::from);
     reach <= 2.0 * LEAF_SLACK * x.min(y)

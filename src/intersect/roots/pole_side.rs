@@ -10,7 +10,8 @@ impl Spot<'_> {
     /// Whether a ray that meets the piece at a pole, within rounding, is not known to meet it
     /// beside the pole: as seen along the ray, it passes outside the sector that the piece covers
     /// there, or near an end of the sector: nearer than a margin `at_border`, if the surface has a
-    /// border there, or `inside`, if it goes on in another piece. Negative margins widen the sector.
+    /// border there, or `inside`, if it goes on in another piece. Negative margins widen the
+    /// sector.
     ///
     /// `None` where the directions away from the pole do not tell what sector they cover.
     pub(crate) fn is_passed_outside_at_pole(

@@ -114,7 +114,8 @@ impl Slabs {
             near = near.max(low[k].min(high[k]));
             far = far.min(low[k].max(high[k]));
         }
-        // Both may be infinite, where two components of the direction are zero: their sum must not be.
+        // Both may be infinite, where two components of the direction are zero: their sum must not
+        // be.
         let rounding = |z: f64| 8.0 * f64::EPSILON * z.abs().min(f64::MAX);
         let rounded = rounding(near) + rounding(far);
         let missed = near > far + rounded;

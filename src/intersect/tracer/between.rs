@@ -98,8 +98,8 @@ mod tests {
         }
     }
 
-    /// The tip of a spike has no normal, and how far along a ray from above it was met is not known:
-    /// that is no reason to look through a disk that hides it.
+    /// The tip of a spike has no normal, and how far along a ray from above it was met is not
+    /// known: that is no reason to look through a disk that hides it.
     #[test]
     fn a_disk_hides_the_tip_of_a_spike() {
         let profile = [[0.0, 1.0], [0.0, 0.0], [2.0, 0.0], [2.0, 2.0]];

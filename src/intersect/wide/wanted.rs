@@ -10,7 +10,8 @@ pub(crate) enum Wanted {
     First,
     /// Any hit.
     Any,
-    /// All hits: those of a single ray that are certified, and the leaves where there may be others.
+    /// All hits: those of a single ray that are certified, and the leaves where there may be
+    /// others.
     All,
 }
 

@@ -15,8 +15,8 @@ const LEADING_ZERO: &str = "unexpected leading zero, expected nothing";
 const LINE_GOES_ON: &str = "unexpected key or value, expected newline, `#`";
 const TWICE: &str = "duplicate key";
 
-/// Beginnings of its messages: for words that begin as `nan`, `inf`, `true` or `false` do, lists and
-/// tables that do not end, what cannot stand in them, and a key that no `=` follows.
+/// Beginnings of its messages: for words that begin as `nan`, `inf`, `true` or `false` do, lists
+/// and tables that do not end, what cannot stand in them, and a key that no `=` follows.
 const NO_FLOAT: &str = "invalid float";
 const NO_BOOLEAN: &str = "invalid boolean";
 const OPEN_LIST: &str = "unclosed array, ";
@@ -71,8 +71,8 @@ pub(super) fn slip(message: &str, source: &Source<'_>, offset: usize) -> Option<
     }
 }
 
-/// The list or table, innermost of all, that is open at the end of a text: its kind, what closes it,
-/// and where it begins.
+/// The list or table, innermost of all, that is open at the end of a text: its kind, what closes
+/// it, and where it begins.
 fn open_at_end(text: &str) -> Option<(&'static str, char, usize)> {
     let mut open = Vec::new();
     let mut rest = text.char_indices();
