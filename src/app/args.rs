@@ -70,7 +70,7 @@ pub(crate) struct RenderArguments {
     pub(crate) input: PathBuf,
 
     /// Picture to write; may be given several times. The extension says how: .exr holds linear
-    /// light and every AOV, .png the picture only (sRGB, with --exposure)
+    /// light and AOVs, .png the picture only (sRGB, with --exposure)
     #[arg(short, long = "output", value_name = "OUT", required = true)]
     pub(crate) outputs: Vec<PathBuf>,
 
@@ -91,8 +91,8 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "NAME", value_parser = integrators())]
     pub(crate) integrator: Option<IntegratorKind>,
 
-    /// Which AOVs the .exr holds besides colour: names from Z,P,N,uv,Albedo,id, or all, or none
-    /// [default: all]
+    /// Which AOVs the .exr holds besides colour: names from Z,P,N,uv,Albedo,id,doubt, or all,
+    /// or none [default: all but doubt]
     #[arg(long, value_name = "LIST")]
     pub(crate) aov: Option<AovSet>,
 

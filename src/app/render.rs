@@ -92,11 +92,11 @@ fn settings(
         settings.samples = range.first..range.end;
     }
     settings.crop = arguments.crop;
-    // An EXR holds all AOVs unless --aov says otherwise; a PNG can hold none of them.
+    // A PNG can hold none of them.
     settings.aovs = match arguments.aov {
         Some(aovs) => aovs,
         None if picture::all(pictures, Format::Png) => AovSet::NONE,
-        None => AovSet::all(),
+        None => AovSet::of_hits(),
     };
     settings.integrator = arguments.integrator.unwrap_or(settings.integrator);
     settings.seed = arguments.seed.unwrap_or(settings.seed);

@@ -33,11 +33,15 @@ pub enum Aov {
     /// Which surface was hit, counted from 0 as everywhere; −1 where nothing is hit.
     /// Whole up to 2²⁴.
     Id,
+    /// The share of samples of which a ray, to a light perhaps, has a doubtful answer: averaged
+    /// over all samples, those that hit nothing among them.
+    Doubt,
 }
 
 impl Aov {
     /// Every kind, in the order to list them.
-    pub const ALL: &'static [Self] = &[Self::Z, Self::P, Self::N, Self::Uv, Self::Albedo, Self::Id];
+    pub const ALL: &'static [Self] =
+        &[Self::Z, Self::P, Self::N, Self::Uv, Self::Albedo, Self::Id, Self::Doubt];
 
     /// Its name on the command line and the first part of its channels' names.
     pub fn name(self) -> &'static str {
@@ -48,6 +52,7 @@ impl Aov {
             Self::Uv => "uv",
             Self::Albedo => "Albedo",
             Self::Id => "id",
+            Self::Doubt => "doubt",
         }
     }
 
@@ -61,6 +66,7 @@ impl Aov {
             Self::Uv => &[U, V],
             Self::Albedo => &[AlbedoR, AlbedoG, AlbedoB],
             Self::Id => &[Id],
+            Self::Doubt => &[Doubt],
         }
     }
 }
@@ -93,6 +99,7 @@ pub enum Channel {
     AlbedoG,
     AlbedoB,
     Id,
+    Doubt,
 }
 
 impl Channel {
@@ -119,6 +126,7 @@ impl Channel {
             Self::AlbedoG => "Albedo.G",
             Self::AlbedoB => "Albedo.B",
             Self::Id => "id",
+            Self::Doubt => "doubt",
         }
     }
 
@@ -141,6 +149,11 @@ impl AovSet {
     /// Every kind there is.
     pub fn all() -> Self {
         Aov::ALL.iter().copied().collect()
+    }
+
+    /// All that describes what was hit: what other programs look for beside colour.
+    pub fn of_hits() -> Self {
+        Aov::ALL.iter().copied().filter(|&aov| aov != Aov::Doubt).collect()
     }
 
     /// This set and one kind more.
@@ -195,7 +208,9 @@ pub enum AovListError {
     #[error(transparent)]
     Unknown(#[from] UnknownName),
     /// There is no name where one should be.
-    #[error("a name is missing: Z, P, N, uv, Albedo, id with commas between them, all, or none")]
+    #[error(
+        "a name is missing: Z, P, N, uv, Albedo, id, doubt with commas between them, all, or none"
+    )]
     NoName,
     /// `all` or `none` in a list.
     #[error("\"{0}\" says all there is to say: it cannot be in a list")]
@@ -247,9 +262,11 @@ mod tests {
     fn unknown_names_get_the_nearest() {
         let message = |list: &str| list.parse::<AovSet>().unwrap_err().to_string();
         assert_eq!(message("Z,albeda"), "unknown AOV \"albeda\"; did you mean \"Albedo\"?");
-        assert_eq!(message("Q"), "unknown AOV \"Q\"; known: Z, P, N, uv, Albedo, id, all, none");
-        let missing =
-            "a name is missing: Z, P, N, uv, Albedo, id with commas between them, all, or none";
+        assert_eq!(
+            message("Q"),
+            "unknown AOV \"Q\"; known: Z, P, N, uv, Albedo, id, doubt, all, none"
+        );
+        let missing = "a name is missing: Z, P, N, uv, Albedo, id, doubt with commas between them, all, or none";
         for list in ["", " ", "Z,,N", "Z,"] {
             assert_eq!(message(list), missing, "{list}");
         }

@@ -199,6 +199,7 @@ impl Film {
             AlbedoG => mean(4),
             AlbedoB => mean(5),
             Id => first.map_or(-1.0, |hit| hit.surface),
+            Doubt => self.pixels.doubt(index) as f32,
         }
     }
 
@@ -335,7 +336,8 @@ mod tests {
             surface: sample as f32,
         });
         let albedo = if hit.is_some() { [0.5, 0.25, 0.125] } else { [0.0; 3] };
-        Sample { radiance: [x.sin().abs(), x.cos().abs() * 1e8, 1e-8 * x], albedo, hit }
+        let radiance = [x.sin().abs(), x.cos().abs() * 1e8, 1e-8 * x];
+        Sample { radiance, albedo, hit, doubtful: (sample + index as u32).is_multiple_of(4) }
     }
 
     fn film(samples: Range<u32>) -> Film {
@@ -360,6 +362,8 @@ mod tests {
         assert_eq!(value(Channel::AlbedoG, [1, 0]), 0.125);
         assert_eq!(value(Channel::AlbedoG, [2, 0]), 0.25);
         assert_eq!(value(Channel::NZ, [2, 1]), 0.8);
+        // One sample of four is in doubt, whether it hits anything or not.
+        assert_eq!([0, 1].map(|x| value(Channel::Doubt, [x, 0])), [0.25; 2]);
         // Off the window there is nothing.
         assert_eq!(film.value(Channel::R, [3, 0]), None);
     }

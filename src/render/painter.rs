@@ -105,7 +105,8 @@ impl<'a> Painter<'a> {
                     Some(hit) if aovs.contains(Aov::Albedo) => world.albedo(hit),
                     _ => [0.0; 3],
                 };
-                Sample { radiance: batch.radiance[seen], albedo, hit: first_hit(ray, answer) }
+                let (radiance, doubtful) = (batch.radiance[seen], batch.doubtful[seen]);
+                Sample { radiance, albedo, hit: first_hit(ray, answer), doubtful }
             });
         }
     }

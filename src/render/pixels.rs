@@ -18,6 +18,8 @@ pub(super) struct Pixels {
     hits: Vec<u32>,
     /// The first hit in sample order, where data are asked for; meaningless without hits.
     first: Vec<FirstHit>,
+    /// How many samples are in doubt, where that is asked for.
+    doubts: Vec<u32>,
 }
 
 /// What one sample saw.
@@ -26,6 +28,8 @@ pub(super) struct Sample {
     pub(super) radiance: [f64; 3],
     pub(super) albedo: [f64; 3],
     pub(super) hit: Option<FirstHit>,
+    /// Whether the answer for any of its rays is doubtful.
+    pub(super) doubtful: bool,
 }
 
 /// The data of a hit, in the precision of the film.
@@ -43,8 +47,9 @@ impl Pixels {
     pub(super) fn empty(window: PixelRect, aovs: AovSet, start: u32) -> Self {
         let (count, colors) = (window.area() as usize, colors(aovs));
         let first = if keeps_first(aovs) { vec![FirstHit::default(); count] } else { Vec::new() };
+        let doubts = if aovs.contains(Aov::Doubt) { vec![0; count] } else { Vec::new() };
         let sums = SampleSums::empty(start, count * colors);
-        Self { window, sums, colors, hits: vec![0; count], first }
+        Self { window, sums, colors, hits: vec![0; count], first, doubts }
     }
 
     /// Black pixels for a range of samples, to be filled by [`Pixels::insert`].
@@ -58,16 +63,20 @@ impl Pixels {
     ) -> Result<Self, OutOfMemory> {
         let (count, colors) = (window.area() as usize, colors(aovs));
         let kept = if keeps_first(aovs) { count } else { 0 };
+        let doubted = if aovs.contains(Aov::Doubt) { count } else { 0 };
         let bytes = count as u128
             * (block_count(samples.clone()) * colors * size_of::<f64>() + size_of::<u32>()) as u128
-            + kept as u128 * size_of::<FirstHit>() as u128;
+            + kept as u128 * size_of::<FirstHit>() as u128
+            + doubted as u128 * size_of::<u32>() as u128;
         let sums = SampleSums::zeros(samples, count * colors).map_err(|_| OutOfMemory { bytes })?;
-        let (mut hits, mut first) = (Vec::new(), Vec::new());
+        let (mut hits, mut first, mut doubts) = (Vec::new(), Vec::new(), Vec::new());
         hits.try_reserve_exact(count).map_err(|_| OutOfMemory { bytes })?;
         hits.resize(count, 0);
         first.try_reserve_exact(kept).map_err(|_| OutOfMemory { bytes })?;
         first.resize(kept, FirstHit::default());
-        Ok(Self { window, sums, colors, hits, first })
+        doubts.try_reserve_exact(doubted).map_err(|_| OutOfMemory { bytes })?;
+        doubts.resize(doubted, 0);
+        Ok(Self { window, sums, colors, hits, first, doubts })
     }
 
     /// Resets to no samples, for another rectangle, keeping the memory.
@@ -80,6 +89,9 @@ impl Pixels {
         self.hits.resize(count, 0);
         self.first.clear();
         self.first.resize(kept, FirstHit::default());
+        let doubted = if self.doubts.is_empty() { 0 } else { count };
+        self.doubts.clear();
+        self.doubts.resize(doubted, 0);
     }
 
     /// The pixels there are.
@@ -89,14 +101,17 @@ impl Pixels {
 
     /// Adds the next sample of every pixel; `sample` returns it for a pixel's index.
     pub(super) fn push(&mut self, sample: impl Fn(usize) -> Sample) {
-        let (colors, hits, first) = (self.colors, &mut self.hits, &mut self.first);
-        self.sums.push(|values| {
-            for (index, value) in values.chunks_exact_mut(colors).enumerate() {
+        let Self { sums, colors, hits, first, doubts, .. } = self;
+        sums.push(|values| {
+            for (index, value) in values.chunks_exact_mut(*colors).enumerate() {
                 let sample = sample(index);
                 let (radiance, albedo) = value.split_at_mut(3);
                 radiance.copy_from_slice(&sample.radiance);
                 if !albedo.is_empty() {
                     albedo.copy_from_slice(&sample.albedo);
+                }
+                if let Some(doubts) = doubts.get_mut(index) {
+                    *doubts += u32::from(sample.doubtful);
                 }
                 let Some(hit) = sample.hit else { continue };
                 if hits[index] == 0
@@ -121,6 +136,9 @@ impl Pixels {
             if !self.first.is_empty() {
                 self.first[to..to + width].copy_from_slice(&tile.first[from..from + width]);
             }
+            if !self.doubts.is_empty() {
+                self.doubts[to..to + width].copy_from_slice(&tile.doubts[from..from + width]);
+            }
         }
     }
 
@@ -134,6 +152,9 @@ impl Pixels {
             }
             *hits += more;
         }
+        for (doubts, more) in self.doubts.iter_mut().zip(&next.doubts) {
+            *doubts += more;
+        }
         self.sums.append(next.sums);
     }
 
@@ -144,8 +165,18 @@ impl Pixels {
 
     /// The share of samples that hit something.
     pub(super) fn coverage(&self, index: usize) -> f64 {
+        self.share(self.hits[index])
+    }
+
+    /// The share of samples that are in doubt; 0 if that was not asked for.
+    pub(super) fn doubt(&self, index: usize) -> f64 {
+        self.doubts.get(index).map_or(0.0, |&doubts| self.share(doubts))
+    }
+
+    /// Which share of a pixel's samples so many are.
+    fn share(&self, count: u32) -> f64 {
         let samples = self.sums.samples();
-        f64::from(self.hits[index]) / f64::from(samples.end - samples.start)
+        f64::from(count) / f64::from(samples.end - samples.start)
     }
 
     /// The first hit in sample order, if there is one and it was asked for.
@@ -159,5 +190,5 @@ fn colors(aovs: AovSet) -> usize {
 }
 
 fn keeps_first(aovs: AovSet) -> bool {
-    aovs.iter().any(|aov| aov != Aov::Albedo)
+    aovs.iter().any(|aov| !matches!(aov, Aov::Albedo | Aov::Doubt))
 }

@@ -31,7 +31,9 @@ What an EXR holds besides, the AOVs (--aov chooses):
   id      which surface was hit, counted from 0 as `nurbray info` lists them;
           -1 where nothing is hit
   Albedo  the share of light sent back, a mean over all samples; misses count as 0
-All except Albedo describe one hit: that of the pixel's first sample that hits.
+  doubt   the share of samples of which a ray, to a light perhaps, is doubtful, a
+          mean over all samples: where the picture is not certain; if asked for
+All except Albedo and doubt describe one hit: that of the pixel's first sample that hits.
 
 With --crop, an EXR keeps the whole picture as its display window and holds the
 crop's pixels as its data window; a PNG holds the crop's pixels only.
@@ -40,7 +42,7 @@ Samples depend on --seed, the pixel, the sample's number and the dimension only:
 crops and sample ranges are the same pixels as the whole picture, on any number
 of threads. An EXR holds means over its own samples; its header says how many
 (nurbray:spp) and which (nurbray:samples, as A..B). To join the EXRs of several
-ranges of one picture, weight R, G, B, A and Albedo with nurbray:spp and divide
+ranges of one picture, weight R, G, B, A, Albedo and doubt with nurbray:spp and divide
 by the sum; the other channels describe the first sample that hits, so take each
 pixel's from the lowest range with a finite Z there. (The library's Film::merge
 does so without rounding.)

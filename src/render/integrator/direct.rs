@@ -58,18 +58,19 @@ impl Direct {
 
         let mut counters = Counters::default();
         for light in &world.lights {
-            counters += self.add_light(light, (&mut *tracer, coherence), &mut batch.radiance);
+            counters += self.add_light(light, (&mut *tracer, coherence), batch);
         }
         counters
     }
 
-    /// Adds one light to the radiance of all hits that see it.
+    /// Adds one light to the radiance of all hits that see it, and notes where that is in doubt.
     fn add_light(
         &mut self,
         light: &Light,
         (tracer, coherence): (&mut Tracer<'_>, Coherence),
-        radiance: &mut [Rgb],
+        batch: &mut Batch,
     ) -> Counters {
+        let Batch { radiance, doubtful, .. } = batch;
         self.shadows.clear();
         self.brought.clear();
         for point in &self.points {
@@ -97,6 +98,7 @@ impl Direct {
             if !hidden.occluded {
                 add(&mut radiance[index], diffuse);
             }
+            doubtful[index] |= hidden.doubtful;
         }
         Counters {
             rays: self.shadows.len() as u64,

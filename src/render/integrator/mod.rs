@@ -35,6 +35,8 @@ pub(super) struct Batch {
     pub(super) rays: Vec<Ray>,
     pub(super) answers: Vec<Answer>,
     pub(super) radiance: Vec<Rgb>,
+    /// Whether the answer for the ray, or for one to a light from its hit, is doubtful.
+    pub(super) doubtful: Vec<bool>,
 }
 
 impl Integrator {
@@ -62,6 +64,8 @@ impl Integrator {
         batch: &mut Batch,
     ) -> Counters {
         batch.radiance.clear();
+        batch.doubtful.clear();
+        batch.doubtful.resize(batch.rays.len(), false);
         let Neighbours { first_hits, occlusions, .. } = self.neighbours;
         let mut counters = Counters::default();
         match &mut self.method {
@@ -71,7 +75,7 @@ impl Integrator {
             }
             Method::Hit(color) => {
                 tracer.first_hits(&batch.rays, first_hits, &mut batch.answers);
-                let Batch { rays, answers, radiance } = batch;
+                let Batch { rays, answers, radiance, .. } = batch;
                 let seen = rays.iter().zip(answers.iter());
                 radiance.extend(seen.map(|(ray, answer)| match &answer.hit {
                     Some(hit) => color.of(world, ray, hit),
@@ -79,6 +83,9 @@ impl Integrator {
                 }));
             }
             Method::Iterations => work::trace(tracer, batch),
+        }
+        for (doubtful, answer) in batch.doubtful.iter_mut().zip(&batch.answers) {
+            *doubtful |= answer.doubtful;
         }
         counters += count(&batch.answers);
         counters
