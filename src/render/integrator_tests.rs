@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 
 use super::test_worlds::{floor, sphere, world};
 use super::*;
+use crate::geometry::shapes;
 use crate::math::Ray;
 use crate::scene::{IntegratorKind, Light, Rgb, World};
 
@@ -218,4 +219,26 @@ fn iterations_cost_more_at_silhouettes() {
     assert!(heat([SIZE.0 / 2, SIZE.1 / 2]) > 0.0);
     assert_eq!(heat([0, 0]), 0.0);
     assert_eq!(film.counters().hits, picture(&world, IntegratorKind::Id).counters().hits);
+}
+
+/// A disk in the floor's plane: where both are met, whether one shades the other is not known.
+#[test]
+fn doubt_is_where_rays_to_lights_are_doubtful() {
+    let light = Light::directional(DVec3::new(0.3, -0.2, 1.0), [1.0; 3]).unwrap();
+    let disk = shapes::disk(0.7).unwrap();
+    let world = world(vec![floor(6.0, 0.0), disk], vec![light], 1.0);
+    let film = picture(&world, IntegratorKind::Direct);
+    let mut doubtful = 0;
+    for pixel in pixels() {
+        let point = vector(&film, [Channel::PX, Channel::PY, Channel::PZ], pixel);
+        let doubt = film.value(Channel::Doubt, pixel).unwrap();
+        assert!(doubt == 0.0 || point.length() < 0.71, "{pixel:?}: {doubt} at {point}");
+        doubtful += u64::from(doubt == 1.0);
+    }
+    // One sample a pixel, one light.
+    assert!(doubtful > 20 && doubtful <= film.counters().doubtful, "{doubtful}");
+    // No light, no doubt.
+    let flat = picture(&world, IntegratorKind::Normal);
+    let sum: f32 = pixels().map(|pixel| flat.value(Channel::Doubt, pixel).unwrap()).sum();
+    assert_eq!(sum as u64, flat.counters().doubtful);
 }
