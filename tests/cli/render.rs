@@ -140,7 +140,7 @@ fn help_says_what_is_done_when_nothing_is_said() {
         "[default: the scene's, else direct]",
         "keeps the whole picture as its display window",
         "nurbray:samples",
-        "weight R, G, B, A and Albedo with nurbray:spp",
+        "weight R, G, B, A, Albedo and doubt with nurbray:spp",
     ] {
         assert!(help.contains(words), "{words}");
     }
