@@ -39,7 +39,7 @@ pub(crate) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) 
             |view: &Meeting| same_side(view, meeting) && at_one_place(view, meeting, pieces, axis);
         let joins = |&&c: &&usize| is_same(&crossings[c].counted(meetings));
         if let Some(&c) = near.iter().rev().find(joins) {
-            crossings[c].join(k, meeting);
+            crossings[c].join(k, meeting, meetings);
             continue;
         }
         let mut crossing = Crossing::new(k, meeting);
@@ -77,6 +77,8 @@ struct Crossing {
     at_trims: bool,
     /// Whether all of them that are certain are beyond a side.
     is_beyond: bool,
+    /// Whether all of them are at trim edges of one surface, and may be on either side.
+    on_edge: bool,
     /// Whether it may be more than one crossing, or a part of another: a view is doubtful and
     /// grazing, or at the place of another crossing's.
     is_open: bool,
@@ -91,6 +93,7 @@ impl Crossing {
             is_certain: meeting.is_certain(),
             at_trims: meeting.at_trims,
             is_beyond: meeting.beyond || !meeting.is_certain(),
+            on_edge: meeting.on_edge,
             is_open: touches(meeting),
         }
     }
@@ -101,7 +104,9 @@ impl Crossing {
     }
 
     /// Adds another view.
-    fn join(&mut self, view: usize, meeting: &Meeting) {
+    fn join(&mut self, view: usize, meeting: &Meeting, meetings: &[Meeting]) {
+        let is_of_one = meeting.surface == meetings[self.last()].surface;
+        self.on_edge &= meeting.on_edge && is_of_one;
         self.views.push(view);
         if meeting.is_certain() && !self.is_certain {
             self.best = view;
@@ -118,8 +123,8 @@ impl Crossing {
         let is_doubtful = self.is_open || !self.is_certain;
         let doubt = if is_doubtful { HitFlags::DOUBTFUL } else { HitFlags::NONE };
         let flags = self.flags.with(doubt);
-        let (at_trims, beyond) = (self.at_trims, self.is_beyond);
-        Meeting { flags, at_trims, beyond, ..meetings[self.best] }
+        let (at_trims, beyond, on_edge) = (self.at_trims, self.is_beyond, self.on_edge);
+        Meeting { flags, at_trims, beyond, on_edge, ..meetings[self.best] }
     }
 }
 
@@ -134,10 +139,15 @@ fn doubt_without_normal(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3)
     }
 }
 
-/// Flags what is met only because the ray passes close to it on its outside, unless another side of
-/// the same edge is met there in the opposite direction and matches no other meeting there.
+/// Flags what is met only because the ray passes close to it on its outside, or may do so, unless
+/// another side of the same edge is met there in the opposite direction and matches no other
+/// meeting there.
+///
+/// Where a trim edge meets a border without trims, rays are said to meet the edge from a little
+/// farther away than the border: these pass the border's face on its outside, and the other, too.
 fn doubt_half_touches(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) {
-    for k in (0..meetings.len()).filter(|&k| meetings[k].beyond).collect::<Vec<_>>() {
+    let is_half = |m: &Meeting| m.beyond || m.on_edge;
+    for k in (0..meetings.len()).filter(|&k| is_half(&meetings[k])).collect::<Vec<_>>() {
         let touch = &meetings[k];
         let same_way = |m: &Meeting| m.cosine * touch.cosine > 0.0;
         let near = |a: &Meeting, b: &Meeting| at_one_place(a, b, pieces, axis);
@@ -200,6 +210,7 @@ mod tests {
             cosine,
             stretch: None,
             beyond: false,
+            on_edge: false,
             aimed: 1e-16,
             cover: Cover::Sector,
             place: 0,
@@ -211,7 +222,7 @@ mod tests {
         let (first, other) = (view(1.0, 0.5, HitFlags::NONE), view(1.5, 0.7, HitFlags::BORDER));
         let counted = |views: &[Meeting]| {
             let mut crossing = Crossing::new(0, &views[0]);
-            views.iter().enumerate().skip(1).for_each(|(k, view)| crossing.join(k, view));
+            views.iter().enumerate().skip(1).for_each(|(k, view)| crossing.join(k, view, views));
             let Meeting { t, flags, .. } = crossing.counted(views);
             (t, flags)
         };

@@ -57,6 +57,8 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
                     fates[j].is_wrong = is_wrong(j);
                     fates[j].is_doubtful |= in_doubt;
                 }
+                // The angles have told on which side of all edges the ray passes.
+                group.members.iter().for_each(|&j| meetings[j].on_edge = false);
             }
             Way::Touching { apex } => {
                 others.push(Meeting { cosine: -meetings[apex].cosine, ..meetings[apex] });

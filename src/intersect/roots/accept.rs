@@ -77,6 +77,8 @@ struct Candidate<'a> {
     cut_off: bool,
     /// Whether trims keep it, and all that a ray aimed at it may meet.
     kept_whole: bool,
+    /// See [`Meeting::on_edge`].
+    on_edge: bool,
     /// Whether trims cut it off for certain, but so near to their edge that another search may have
     /// found it there.
     just_cut_off: bool,
@@ -121,6 +123,7 @@ impl<'a> Candidate<'a> {
             edge: 0.0,
             cut_off: false,
             kept_whole: false,
+            on_edge: false,
             just_cut_off: false,
         }
     }
@@ -155,7 +158,9 @@ impl<'a> Candidate<'a> {
                     match aimed_side(leaf, spot, ray, z_error / error) {
                         Side::Outside => self.cut_off = !inside,
                         Side::Inside => self.kept_whole = inside,
-                        Side::Edge { .. } => {}
+                        Side::Edge { .. } => {
+                            self.on_edge = self.flags.contains(HitFlags::TRIM_EDGE)
+                        }
                     }
                 }
             }
@@ -277,6 +282,7 @@ impl<'a> Candidate<'a> {
             cosine,
             stretch,
             beyond,
+            on_edge: self.on_edge,
             aimed,
             cover,
             place: 0,

@@ -39,6 +39,9 @@ pub(crate) struct Meeting {
     /// Whether the ray passes a side of the piece, or an edge of its trims, on the outside, by more
     /// than the rounding of a ray aimed at it.
     pub beyond: bool,
+    /// Whether a ray that was aimed at a trim edge may be this one: which side of the edge it passes
+    /// is not known. (Known only where all hits are asked for.)
+    pub on_edge: bool,
     /// How far a ray may pass a point there and still be one that was aimed at it.
     pub aimed: f64,
     /// What the piece covers of a disk of that radius about the ray.
@@ -105,6 +108,7 @@ impl CertainHit {
             flags,
             error: piece.patch.error_bound(frame.magnitude),
             at_trims: false,
+            on_edge: false,
             edge: 0.0,
             cosine: normal.map_or(0.0, |normal| normal.dot(frame.axis)),
             stretch: None,
