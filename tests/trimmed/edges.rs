@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use glam::{DVec2, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 use nurbray::geometry::trim::Kept;
 use nurbray::geometry::{KnotVector, NurbsSurface, TrimmedSurface, shapes};
 use nurbray::intersect::{HitFlags, Kernel, Query};
@@ -154,5 +154,44 @@ fn a_ray_that_leaves_an_edge_at_a_small_angle_does_not_meet_it_again() {
             let answer = tracer.first_hit(&Query::leaving(away, &hit));
             assert!(answer.hit.is_none(), "{kernel}: {away:?} {answer:?}");
         }
+    }
+}
+
+/// Where lids are cut out by trims and the side has none, their rim is met from a little farther
+/// away as the edge of a lid than as the border of the side: a lid that is met alone is in doubt,
+/// also by rays that nearly touch both faces.
+#[test]
+fn rays_past_the_rim_of_a_can_enter_as_often_as_they_leave() {
+    let (middle, radius) = (DVec3::new(0.5, 0.5, 0.0), 0.25);
+    let moved = |z: f64| DAffine3::from_translation(middle + z * DVec3::Z);
+    let lid = trimmed(shapes::plane(1.0, 1.0).unwrap(), Kept::Odd, &[circle(0.5, 0.5, radius)]);
+    let side = shapes::cylinder(radius, 1.0).unwrap();
+    let bvh = build(&[
+        lid.reversed_u().transformed(&moved(0.0)).unwrap().into(),
+        lid.transformed(&moved(1.0)).unwrap().into(),
+        side.transformed(&moved(0.0)).unwrap().into(),
+    ]);
+    let mut random = Random::new(31);
+    let (mut tracer, mut hits) = (bvh.tracer(), Vec::new());
+    for least in [0.0, -6.0] {
+        let (rays, mut doubtful) = (10_000, 0);
+        for _ in 0..rays {
+            let outward = DVec2::from_angle(random.between(0.0, TAU));
+            let target = middle + (radius * outward).extend(1.0);
+            // From both faces, the ray is turned by up to a right angle, or by next to nothing.
+            let mut turn = || random.sign() * random.power_of_ten(least, 0.0) * random.unit();
+            let direction = (outward.perp() + turn() * outward).extend(turn()).normalize();
+            let away = random.between(5.0, 20.0);
+            // C ε M of bilinear surfaces.
+            let unit = 12.0 * f64::EPSILON * away;
+            let aside = random.between(0.0, 5.0) * unit * random.perpendicular(direction);
+            let ray = Ray::new(target - away * direction + aside, direction).unwrap();
+            let in_doubt = tracer.all_hits(&Query::primary(ray), &mut hits);
+            doubtful += usize::from(in_doubt);
+            let ways: f64 = hits.iter().map(|hit| hit.normal.dot(direction).signum()).sum();
+            assert!(in_doubt || ways == 0.0, "{ray:?}: {hits:#?}");
+        }
+        println!("{doubtful} of {rays} in doubt");
+        assert!(2 * doubtful < rays, "{doubtful} of {rays}");
     }
 }
