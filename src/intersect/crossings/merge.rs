@@ -146,7 +146,9 @@ fn doubt_without_normal(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3)
 /// Where a trim edge meets a border without trims, rays are said to meet the edge from a little
 /// farther away than the border: these pass the border's face on its outside, and the other, too.
 fn doubt_half_touches(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) {
-    let is_half = |m: &Meeting| m.beyond || m.on_edge;
+    // An edge of the only surface there is borders on nothing.
+    let has_others = pieces.first().map(|p| p.surface) != pieces.last().map(|p| p.surface);
+    let is_half = |m: &Meeting| m.beyond || m.on_edge && has_others;
     for k in (0..meetings.len()).filter(|&k| is_half(&meetings[k])).collect::<Vec<_>>() {
         let touch = &meetings[k];
         let same_way = |m: &Meeting| m.cosine * touch.cosine > 0.0;
