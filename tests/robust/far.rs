@@ -40,8 +40,9 @@ fn borders_are_met_or_doubted_from_anywhere() {
         let (o, d) = (query.ray().origin(), query.ray().direction());
         o.abs().max_element() < 1e100 && (d != DVec3::NEG_Z || o.x <= 1.0)
     };
+    let bvh = model.bvh();
     for kernel in kernels() {
-        let (answers, occlusions) = all_ways(&model, kernel, &queries);
+        let (answers, occlusions) = all_ways(&bvh, kernel, &queries);
         for (way, answers) in answers.iter().enumerate() {
             for (query, answer) in queries.iter().zip(answers) {
                 let hit_or_doubt = answer.hit.is_some() || answer.doubtful;
@@ -81,7 +82,7 @@ fn borders_that_are_silhouettes_are_met_or_doubted() {
                 Query::primary(Ray::new(from, -z * DVec3::Z).unwrap())
             })
             .collect();
-        assert_met_or_doubted(name, &model, &queries);
+        assert_met_or_doubted(name, &model.bvh(), &queries);
     }
 }
 
@@ -93,6 +94,7 @@ fn boxes_are_met_as_far_off_as_points_may_be() {
     let at = |k: usize| k as f64 / 4.0 - 1.0;
     let net = (0..81).map(|k| DVec3::new(at(k / 9), at(k % 9), 0.0)).collect();
     let model = Model::new("sheet", NurbsSurface::new(knots(), knots(), net, None).unwrap());
+    let bvh = model.bvh();
     let top = 2f64.powi(29);
     let direction = DVec3::new(2f64.powi(-10), 0.0, -1.0);
     let rays = [1e-7, 6e-7, 8e-7, 1e-6, 1.1e-6, 1.2e-6, 1.3e-6].map(|beyond| {
@@ -101,7 +103,7 @@ fn boxes_are_met_as_far_off_as_points_may_be() {
     });
     for kernel in kernels() {
         for query in &rays {
-            let (answers, occlusions) = all_ways(&model, kernel, &[*query]);
+            let (answers, occlusions) = all_ways(&bvh, kernel, &[*query]);
             let met = |answer: &Answer| answer.hit.is_some() || answer.doubtful;
             assert!(answers.iter().flatten().all(met), "{kernel}: {:?}", query.ray());
             let met = |occlusion: &Occlusion| occlusion.occluded || occlusion.doubtful;
@@ -130,7 +132,7 @@ fn kernels_agree_from_anywhere() {
         let certain = truth.iter().filter(|answer| !answer.doubtful).count();
         assert!(certain > 200, "{certain}");
         for kernel in kernels() {
-            for answers in all_ways(&model, kernel, &queries).0 {
+            for answers in all_ways(&bvh, kernel, &queries).0 {
                 for ((query, answer), truth) in queries.iter().zip(&answers).zip(&truth) {
                     let decided = !answer.doubtful && !truth.doubtful;
                     let same = answer.hit.is_some() == truth.hit.is_some();
@@ -157,8 +159,9 @@ fn small_things_far_from_the_origin_are_met_as_far_off_as_points_may_be() {
                 let origin = DVec3::new(distance, 0.5 + part * off, from * distance);
                 Query::primary(Ray::new(origin, -DVec3::Z).unwrap())
             });
+            let bvh = model.bvh();
             for kernel in kernels() {
-                let (answers, occlusions) = all_ways(&model, kernel, &rays);
+                let (answers, occlusions) = all_ways(&bvh, kernel, &rays);
                 let met = |answer: &Answer| answer.hit.is_some() || answer.doubtful;
                 assert!(answers.iter().flatten().all(met), "{kernel}: {distance:e}, {from}");
                 let met = |occlusion: &Occlusion| occlusion.occluded || occlusion.doubtful;
@@ -190,7 +193,7 @@ fn borders_far_from_the_origin_are_met_or_doubted() {
                 Query::primary(Ray::new(origin, -DVec3::Z).unwrap())
             })
             .collect();
-        assert_met_or_doubted(&format!("{distance:e}"), &model, &rays);
+        assert_met_or_doubted(&format!("{distance:e}"), &model.bvh(), &rays);
     }
 }
 
@@ -227,7 +230,7 @@ fn crossings_far_from_the_origin_are_met_or_doubted_in_every_range() {
                 })
                 .collect();
             let model = Model::new("far", surface);
-            assert_met_or_doubted(&format!("{distance:e}"), &model, &rays);
+            assert_met_or_doubted(&format!("{distance:e}"), &model.bvh(), &rays);
         }
     }
 }
@@ -272,7 +275,7 @@ fn rays_within_a_plane_far_from_the_origin_meet_its_border_or_are_doubted() {
         for (name, model) in
             [("whole", Model::new("plane", plane)), ("with a hole", Model::new("plane", trimmed))]
         {
-            assert_met_or_doubted(&format!("{distance:e}, {name}"), &model, &rays);
+            assert_met_or_doubted(&format!("{distance:e}, {name}"), &model.bvh(), &rays);
         }
     }
 }

@@ -56,11 +56,12 @@ fn aimed(model: &Model, random: &mut Random, places: &[[f64; 2]]) -> Vec<Query> 
 /// Asserts that all rays meet the sheet, at the points they are aimed at or before, and not where
 /// the sheet is not.
 fn assert_met(model: &Model, queries: &[Query]) {
-    assert_met_or_doubted(&model.name, model, queries);
+    let bvh = model.bvh();
+    assert_met_or_doubted(&model.name, &bvh, queries);
     let surface = model.surfaces[0].nurbs().unwrap();
     let [p, q] = [surface.knots_u().degree(), surface.knots_v().degree()];
     for kernel in kernels() {
-        let (answers, _) = all_ways(model, kernel, queries);
+        let (answers, _) = all_ways(&bvh, kernel, queries);
         for (query, answer) in answers.iter().flat_map(|way| queries.iter().zip(way)) {
             let Some(hit) = answer.hit.filter(|_| !answer.doubtful) else { continue };
             let ray = query.ray();

@@ -1,16 +1,13 @@
 //! All the ways in which rays can be traced.
 
-use nurbray::intersect::{Answer, Coherence, Kernel, Occlusion, Query};
-
-use crate::model::Model;
+use nurbray::intersect::{Answer, Coherence, Kernel, Occlusion, Query, SurfaceBvh};
 
 /// Everything a kernel can be asked of rays: first hits, then whether they are occluded.
 pub(crate) fn all_ways(
-    model: &Model,
+    bvh: &SurfaceBvh,
     kernel: Kernel,
     queries: &[Query],
 ) -> (Vec<Vec<Answer>>, Vec<Vec<Occlusion>>) {
-    let bvh = model.bvh();
     let mut tracer = bvh.tracer_with(kernel);
     let mut answers = vec![queries.iter().map(|query| tracer.first_hit(query)).collect()];
     let mut occlusions = vec![queries.iter().map(|query| tracer.occluded(query)).collect()];
@@ -29,10 +26,10 @@ pub(crate) fn kernels() -> impl Iterator<Item = Kernel> {
     Kernel::ALL.iter().copied().filter(|kernel| kernel.is_available())
 }
 
-/// Asserts that every ray meets the model, or is doubtful, in every way and by every kernel.
-pub(crate) fn assert_met_or_doubted(context: &str, model: &Model, rays: &[Query]) {
+/// Asserts that every ray meets something, or is doubtful, in every way and by every kernel.
+pub(crate) fn assert_met_or_doubted(context: &str, bvh: &SurfaceBvh, rays: &[Query]) {
     for kernel in kernels() {
-        let (answers, occlusions) = all_ways(model, kernel, rays);
+        let (answers, occlusions) = all_ways(bvh, kernel, rays);
         for (query, answer) in answers.iter().flat_map(|way| rays.iter().zip(way)) {
             let known = answer.hit.is_some() || answer.doubtful;
             assert!(known, "{context}, {kernel}: {:?}", query.ray());
