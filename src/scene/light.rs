@@ -38,16 +38,18 @@ pub enum Light {
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum LightError {
-    /// A colour or an amount of light is negative, NaN or infinite.
+    /// A colour or an amount of light is negative, NaN, infinite, or beyond what pictures hold.
     #[error(
-        "{what} {}: red, green and blue must be finite numbers from 0 on",
-        ShownVector(DVec3::from_array(*amount))
+        "{what} {}: red, green and blue must be finite numbers from 0 to {}",
+        ShownVector(DVec3::from_array(*amount)), Shown(*most)
     )]
     Amount {
         /// What the amount is of.
         what: &'static str,
         /// The numbers as given.
         amount: Rgb,
+        /// The largest such number.
+        most: f64,
     },
     /// The position of a point light is not finite.
     #[error("position {}: coordinates must be finite", ShownVector(*.position))]
@@ -69,25 +71,37 @@ pub enum LightError {
     },
 }
 
-/// Refuses numbers that are not a colour or an amount of light.
+/// The largest number of a colour, a radiance or an irradiance: nearly the largest that the 32 bits
+/// of pictures hold.
+pub(crate) const MAX_LIGHT: f64 = 3.4e38;
+
+/// The largest radiant intensity: that which brings [`MAX_LIGHT`] as far as surfaces reach, 1e70.
+pub(crate) const MAX_INTENSITY: f64 = 3.4e178;
+
+/// Refuses numbers that are not a colour or an amount of light that pictures hold.
 pub(super) fn check_amount(what: &'static str, amount: Rgb) -> Result<(), LightError> {
-    let is_light = amount.iter().all(|&share| share >= 0.0 && share.is_finite());
-    if is_light { Ok(()) } else { Err(LightError::Amount { what, amount }) }
+    check_up_to(MAX_LIGHT, what, amount)
+}
+
+fn check_up_to(most: f64, what: &'static str, amount: Rgb) -> Result<(), LightError> {
+    let is_light = amount.iter().all(|share| (0.0..=most).contains(share));
+    if is_light { Ok(()) } else { Err(LightError::Amount { what, amount, most }) }
 }
 
 impl Light {
     /// Refuses numbers that are not a light.
     ///
     /// # Errors
-    /// When an amount of light is negative or not finite, a position is not finite, or a direction
-    /// is not of length 1 to within 1e-9.
+    /// When an amount of light is negative, not finite or beyond the 32 bits of pictures (an
+    /// intensity: at any distance), a position is not finite, or a direction is not of length 1 to
+    /// within 1e-9.
     pub fn check(&self) -> Result<(), LightError> {
         match *self {
             Self::Point { position, intensity } => {
                 if !position.is_finite() {
                     return Err(LightError::Position { position });
                 }
-                check_amount("intensity", intensity)
+                check_up_to(MAX_INTENSITY, "intensity", intensity)
             }
             Self::Directional { to_light, irradiance } => {
                 let is_unit = (to_light.length() - 1.0).abs() <= 1e-9; // false for NaN
@@ -127,15 +141,30 @@ mod tests {
     #[test]
     fn what_is_no_light_is_refused() {
         let to_light = DVec3::new(0.6, 0.0, 0.8);
-        assert_eq!(Light::Directional { to_light, irradiance: [0.0, 1.0, 1e300] }.check(), Ok(()));
+        assert_eq!(
+            Light::Directional { to_light, irradiance: [0.0, 1.0, MAX_LIGHT] }.check(),
+            Ok(())
+        );
         for (light, expected) in [
             (
                 Light::Ambient { radiance: [0.5, f64::NAN, 0.5] },
-                "radiance (0.5, NaN, 0.5): red, green and blue must be finite numbers from 0 on",
+                "radiance (0.5, NaN, 0.5): red, green and blue must be finite numbers from 0 to \
+                 3.4e38",
+            ),
+            (
+                Light::Directional { to_light, irradiance: [0.0, 1.0, 1e39] },
+                "irradiance (0, 1, 1e39): red, green and blue must be finite numbers from 0 to \
+                 3.4e38",
+            ),
+            (
+                Light::Point { position: DVec3::ZERO, intensity: [1e300; 3] },
+                "intensity (1e300, 1e300, 1e300): red, green and blue must be finite numbers from 0 \
+                 to 3.4e178",
             ),
             (
                 Light::Point { position: DVec3::ZERO, intensity: [1.0, 1.0, -0.5] },
-                "intensity (1, 1, -0.5): red, green and blue must be finite numbers from 0 on",
+                "intensity (1, 1, -0.5): red, green and blue must be finite numbers from 0 to \
+                 3.4e178",
             ),
             (
                 Light::Point { position: DVec3::INFINITY, intensity: [1.0; 3] },

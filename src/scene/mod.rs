@@ -78,6 +78,7 @@ pub use draw_error::DrawError;
 pub use error::{SceneError, SceneFault, TrimCurveFault};
 pub use import_note::ImportNote;
 pub use light::{Light, LightError, Rgb};
+pub(crate) use light::{MAX_INTENSITY, MAX_LIGHT};
 pub(crate) use material::share;
 pub use material::{Material, Texture};
 pub use names::{UnknownName, nearest};

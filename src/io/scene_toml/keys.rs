@@ -15,8 +15,8 @@ use super::plots::{FigureKeys, PlotKeys};
 use super::transforms::TransformKeys;
 use super::trims::TrimKeys;
 use super::values::{
-    Color, Count, Degree, Degrees, Emission, Exactly, Measures, NetPoint, Number, PerDirection,
-    TrianglePoint, Vector,
+    Color, Count, Degree, Degrees, Emission, Exactly, Intensity, Measures, NetPoint, Number,
+    PerDirection, TrianglePoint, Vector,
 };
 use crate::geometry::shapes::OctantConstants;
 use crate::scene::{NamedShape, Scheme};
@@ -96,7 +96,7 @@ pub(super) struct DirectionalKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct PointKeys {
     pub(super) position: Vector,
-    pub(super) intensity: Emission,
+    pub(super) intensity: Intensity,
 }
 
 #[derive(Deserialize)]

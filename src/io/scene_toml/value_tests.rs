@@ -115,6 +115,14 @@ fn wrong_values_say_what_is_needed() {
             "4:24: found -1, needed an amount of light from 0 on",
         ),
         (
+            "[[light]]\nambient = { radiance = [1, 1e39, 1] }",
+            "4:24: found 1e39, needed at most 3.4e38: pictures hold no brighter light",
+        ),
+        (
+            "[[light]]\npoint = { position = [0, 0, 0], intensity = 1e300 }",
+            "4:45: found 1e300, needed at most 3.4e178: pictures hold no brighter light",
+        ),
+        (
             "[[light]]\nambient = { radiance = 'red' }",
             "4:24: found \"red\", needed a number, [r, g, b] or \"#rrggbb\"",
         ),

@@ -9,7 +9,7 @@ use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};
 
 use crate::geometry::MAX_DEGREE;
 use crate::math::{Counted, Shown};
-use crate::scene::Rgb;
+use crate::scene::{MAX_INTENSITY, MAX_LIGHT, Rgb};
 
 /// A finite number, whole or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +51,10 @@ pub(super) struct Color(pub(super) Rgb);
 /// The light of a lamp, written as a [`Color`] is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Emission(pub(super) Rgb);
+
+/// The light of a lamp that fades with distance, and so may be brighter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Intensity(pub(super) Rgb);
 
 /// A whole number, which messages call one from `LEAST` to `MOST`. Others from 0 on are read, too:
 /// the code that uses them says more about these.
@@ -228,7 +232,7 @@ macro_rules! read_loosely {
 }
 
 read_loosely!(Number, Vector, Point, NetPoint, TrianglePoint, Pair, Factors, Axis, Color, Emission);
-read_loosely!(Entry, PerDirection, Degrees);
+read_loosely!(Entry, PerDirection, Degrees, Intensity);
 
 impl Loose {
     /// The message that this was found instead of what is needed.
@@ -274,17 +278,23 @@ impl Loose {
         Some([whole(u)?, whole(v)?])
     }
 
-    /// Returns linear light, no share of it below zero; messages name what it is by `needed`.
-    fn light(&self, needed: &str) -> Result<Rgb, String> {
+    /// Returns linear light, no share of it below zero or above `most`; messages name what it is by
+    /// `needed`.
+    fn light(&self, needed: &str, most: f64) -> Result<Rgb, String> {
         let light = match self {
             Self::Number(grey) => Some([*grey; 3]),
             Self::Text(hex) => from_hex(hex),
             Self::List(_) | Self::Lists => self.vector().map(|rgb| rgb.to_array()),
         };
         let light = light.ok_or_else(|| self.but_needed("a number, [r, g, b] or \"#rrggbb\""))?;
-        match light.into_iter().find(|share| *share < 0.0) {
+        match light.into_iter().find(|share| !(0.0..=most).contains(share)) {
             None => Ok(light),
-            Some(share) => Err(format!("found {}, needed {needed}", Shown(share))),
+            Some(share) if share < 0.0 => Err(format!("found {}, needed {needed}", Shown(share))),
+            Some(share) => Err(format!(
+                "found {}, needed at most {}: pictures hold no brighter light",
+                Shown(share),
+                Shown(most)
+            )),
         }
     }
 
@@ -405,7 +415,7 @@ impl TryFrom<Loose> for Color {
     type Error = String;
 
     fn try_from(value: Loose) -> Result<Self, String> {
-        value.light("a color, made of numbers from 0 on").map(Self)
+        value.light("a color, made of numbers from 0 on", MAX_LIGHT).map(Self)
     }
 }
 
@@ -413,7 +423,15 @@ impl TryFrom<Loose> for Emission {
     type Error = String;
 
     fn try_from(value: Loose) -> Result<Self, String> {
-        value.light("an amount of light from 0 on").map(Self)
+        value.light("an amount of light from 0 on", MAX_LIGHT).map(Self)
+    }
+}
+
+impl TryFrom<Loose> for Intensity {
+    type Error = String;
+
+    fn try_from(value: Loose) -> Result<Self, String> {
+        value.light("an amount of light from 0 on", MAX_INTENSITY).map(Self)
     }
 }
 

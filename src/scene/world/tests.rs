@@ -41,12 +41,12 @@ fn light_that_is_none_is_refused() {
     let lights = vec![dark, Light::Ambient { radiance: [1.0, -1.0, 1.0] }];
     assert_eq!(
         message(&Scene { lights, ..scene(ball()) }),
-        "s.toml: light 1: radiance (1, -1, 1): red, green and blue must be finite numbers from 0 on"
+        "s.toml: light 1: radiance (1, -1, 1): red, green and blue must be finite numbers from 0 to 3.4e38"
     );
     let background = Some([0.0, f64::NAN, 0.0]);
     assert_eq!(
         message(&Scene { background, ..scene(ball()) }),
-        "s.toml: background (0, NaN, 0): red, green and blue must be finite numbers from 0 on"
+        "s.toml: background (0, NaN, 0): red, green and blue must be finite numbers from 0 to 3.4e38"
     );
     let texture = Texture::Constant([0.0, 0.0, -1.0]);
     let materials = vec![here(Material { name: "red".into(), texture })];
@@ -64,11 +64,11 @@ fn a_world_takes_no_light_that_is_none_later_either() {
     let dark = Light::Ambient { radiance: [0.0, f64::NAN, 0.0] };
     assert_eq!(
         world.set_lights(vec![dark]).unwrap_err().to_string(),
-        "light 0: radiance (0, NaN, 0): red, green and blue must be finite numbers from 0 on"
+        "light 0: radiance (0, NaN, 0): red, green and blue must be finite numbers from 0 to 3.4e38"
     );
     assert_eq!(
         world.set_background([-1.0; 3]).unwrap_err().to_string(),
-        "background (-1, -1, -1): red, green and blue must be finite numbers from 0 on"
+        "background (-1, -1, -1): red, green and blue must be finite numbers from 0 to 3.4e38"
     );
     assert_eq!((world.lights(), world.background()), (&lights[..], background));
     let bright = Light::Ambient { radiance: [1.0; 3] };
