@@ -20,7 +20,8 @@ pub enum Aov {
     /// along the ray, in scene units; +∞ where nothing is hit. It is not the depth along the view,
     /// as the `t` of [`Camera::ray`](crate::scene::Camera::ray) is.
     Z,
-    /// The point hit, in world coordinates; 0 where nothing is hit.
+    /// The point hit, in world coordinates; 0 where nothing is hit. It has 32 bits: see
+    /// [`Film::coarse_points`](super::Film::coarse_points).
     P,
     /// The unit normal `S_u × S_v`, as oriented by the surface, in world coordinates; 0
     /// where nothing is hit or there is no normal.

@@ -8,11 +8,13 @@ use super::pixels::Pixels;
 use super::sums::OutOfMemory;
 use super::{Channel, PixelRect, RenderSettings, SettingsError};
 use crate::intersect::Statistics;
+use crate::scene::Camera;
 
 /// A rendered picture, or a part of one: linear colour, coverage and data of each pixel.
 ///
 /// - `R G B` is the mean radiance over the pixel (box filter), background included,
-///   linear with Rec. 709 primaries.
+///   linear with Rec. 709 primaries. Samples lie anywhere in the pixel, as the
+///   [`Sampler`](super::Sampler) spreads them.
 /// - `A` is the coverage, the share of samples that hit a surface. Over a black background
 ///   colour is thus premultiplied, as compositing expects; from `R G B` over another one
 ///   take `(1 − A) · background`.
@@ -177,6 +179,38 @@ impl Film {
             .then(|| pixels(window.index_of(first)).map(move |index| self.value_at(channel, index)))
     }
 
+    /// How many pixels hold a number beyond 3.4e38, the largest of 32 bits, in any channel: it is
+    /// infinite there. (The distance of pixels in which nothing is hit does not count.)
+    pub fn overflows(&self) -> u64 {
+        let lost = |index: usize, channel: Channel| {
+            let is_miss = channel == Channel::Z && self.pixels.first_hit(index).is_none();
+            !is_miss && !self.value_at(channel, index).is_finite()
+        };
+        let pixels = 0..self.window().area() as usize;
+        pixels.filter(|&index| self.channels().any(|channel| lost(index, channel))).count() as u64
+    }
+
+    /// How many pixels have a point whose steps are coarser than a tenth of the pixel.
+    ///
+    /// Points are of 32 bits. Where the largest coordinate has magnitude `m`, neighbouring ones
+    /// are up to `2⁻²³ m` apart; the rays through neighbouring pixels are
+    /// [this far](Camera::pixel_width) apart at the distance of the hit. Returns 0 for films
+    /// without data of hits.
+    pub fn coarse_points(&self, camera: &Camera) -> u64 {
+        let size = self.settings.size;
+        // At distance 0 the pixels of a perspective camera have no width, and those of an
+        // orthographic one have all of it: in between the width grows evenly.
+        let [start, one] = [0.0, 1.0].map(|depth| camera.pixel_width([size.0, size.1], depth));
+        let coarse = |index: &usize| {
+            self.pixels.first_hit(*index).is_some_and(|hit| {
+                let largest = hit.point.iter().fold(0.0, |m: f32, x| m.max(x.abs()));
+                let step = f64::from(f32::EPSILON) * f64::from(largest);
+                step > 0.1 * (start + (one - start) * f64::from(hit.distance))
+            })
+        };
+        (0..self.window().area() as usize).filter(coarse).count() as u64
+    }
+
     fn value_at(&self, channel: Channel, index: usize) -> f32 {
         use Channel::*;
         let mean = |color| self.pixels.mean(index, color) as f32;
@@ -320,6 +354,8 @@ mod tests {
     use super::super::pixels::{FirstHit, Sample};
     use super::super::{Aov, AovSet};
     use super::*;
+    use crate::scene::{Projection, View};
+    use glam::DVec3;
 
     fn settings(samples: Range<u32>) -> RenderSettings {
         RenderSettings { size: (3, 2), samples, aovs: AovSet::all(), ..RenderSettings::default() }
@@ -342,6 +378,44 @@ mod tests {
 
     fn film(samples: Range<u32>) -> Film {
         Film::made_up(&settings(samples))
+    }
+
+    #[test]
+    fn numbers_beyond_32_bits_are_counted() {
+        let sample = |radiance, distance| {
+            let hit = Some(FirstHit { distance, ..FirstHit::default() });
+            Sample { radiance: [radiance; 3], hit, ..Sample::default() }
+        };
+        let samples = [
+            sample(1.0, 1.0),
+            sample(1e39, 1.0),
+            sample(1.0, f32::INFINITY),
+            Sample::default(), // infinitely far, as nothing is hit
+            sample(3.4e38, 1.0),
+            sample(f64::NAN, 1.0),
+        ];
+        let mut film = Film::new(&settings(0..1)).unwrap();
+        let mut pixels = Pixels::empty(film.window(), AovSet::all(), 0);
+        pixels.push(|index| samples[index]);
+        film.insert(&pixels, Counters::default());
+        assert_eq!(film.overflows(), 3);
+    }
+
+    #[test]
+    fn points_with_steps_of_a_tenth_of_a_pixel_are_counted() {
+        // At distance 12 a pixel of 2 rows is 12 wide, so that steps may be 1.2: up to 1e7.
+        let view = View { look_from: DVec3::X, look_at: DVec3::ZERO, up: DVec3::Z };
+        let camera = Camera::new(view, Projection::Perspective { fov: 90.0 }).unwrap();
+        let points = [0.0, 1e7, -1e7, 1.01e7, -1.01e7, f32::INFINITY];
+        let mut film = Film::new(&settings(0..1)).unwrap();
+        let mut pixels = Pixels::empty(film.window(), AovSet::all(), 0);
+        pixels.push(|index| {
+            let point = [1.0, points[index], 0.0];
+            let hit = Some(FirstHit { distance: 12.0, point, ..FirstHit::default() });
+            Sample { hit, ..Sample::default() }
+        });
+        film.insert(&pixels, Counters::default());
+        assert_eq!(film.coarse_points(&camera), 3);
     }
 
     #[test]
