@@ -181,7 +181,7 @@ fn stage(
             let notes = ExrNotes {
                 command: &command,
                 time: SystemTime::now(),
-                duration: took,
+                duration: Some(took),
                 camera: world.camera(),
                 background: if has_background { world.background() } else { [0.0; 3] },
             };

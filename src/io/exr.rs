@@ -1,6 +1,7 @@
 //! OpenEXR pictures: the film as it is, linear and with all data.
 
 mod film_channels;
+mod sorted_header;
 
 use std::io::{self, Seek, Write};
 use std::path::Path;
@@ -15,6 +16,7 @@ use exr::prelude::{
 use glam::{DVec2, DVec3};
 
 use self::film_channels::FilmChannels;
+use self::sorted_header::SortedHeader;
 use super::{StagedFile, WriteError, stage};
 use crate::render::Film;
 use crate::scene::{Camera, Projection, Rgb};
@@ -38,8 +40,8 @@ pub struct ExrNotes<'a> {
     pub command: &'a str,
     /// When it was made.
     pub time: SystemTime,
-    /// How long rendering took.
-    pub duration: Duration,
+    /// How long rendering took; `None` to leave it out, so that the file is the same next time.
+    pub duration: Option<Duration>,
     /// Where it was taken from.
     pub camera: &'a Camera,
     /// The background behind everything, noted so that it can be removed again: black (all zero)
@@ -50,11 +52,12 @@ pub struct ExrNotes<'a> {
 /// Writes all channels of a film as one layer of an OpenEXR file, ZIP-compressed.
 ///
 /// Values are linear, primaries Rec. 709. The display window is the whole picture, the data window
-/// the crop. The header holds `software` (with version), `capDate` (UTC), `worldToCamera`,
-/// `screenWindowWidth`, and as text `nurbray:command`, `nurbray:version`, `nurbray:seed`,
+/// the crop. The header holds `software` (with version), `capDate` (UTC), `worldToCamera` (row
+/// vectors, `p_camera = p_world M`; x to the right, y up, z forward: left-handed; of 32 bits, so
+/// that far from the origin only `nurbray:camera` is exact), `screenWindowWidth`, and as text `nurbray:command`, `nurbray:version`, `nurbray:seed`,
 /// `nurbray:spp`, `nurbray:samples`, `nurbray:integrator`, `nurbray:seconds`, `nurbray:camera`,
-/// `nurbray:background`, `nurbray:rays`, `nurbray:hits`, `nurbray:doubtful`. The same film gives
-/// the same pixels; the header contains the time and so differs.
+/// `nurbray:background`, `nurbray:rays`, `nurbray:hits`, `nurbray:doubtful`, all in the order of
+/// their names. The same film with the same notes gives the same bytes.
 ///
 /// # Errors
 /// When the file cannot be written; an older one then stays as it was.
@@ -96,7 +99,7 @@ pub fn stage_exr(
 /// let notes = ExrNotes {
 ///     command: "",
 ///     time: SystemTime::now(),
-///     duration: Duration::ZERO,
+///     duration: Some(Duration::ZERO),
 ///     camera: &Camera::new(view, Projection::Perspective { fov: 30.0 })?,
 ///     background: [0.0; 3],
 /// };
@@ -121,7 +124,7 @@ pub fn write_exr_to(
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
     let image = image(film, precision, notes);
-    image.write().to_buffered(&mut writer).map_err(|error| match error {
+    image.write().to_buffered(SortedHeader::new(&mut writer)).map_err(|error| match error {
         ExrError::Io(error) => error,
         other => io::Error::other(other),
     })?;
@@ -180,14 +183,14 @@ fn layer_attributes(film: &Film, notes: &ExrNotes<'_>) -> LayerAttributes {
         ("spp", samples.len().to_string()),
         ("samples", format!("{}..{}", samples.start, samples.end)),
         ("integrator", settings.integrator.to_string()),
-        ("seconds", format!("{:.3}", notes.duration.as_secs_f64())),
         ("camera", camera_words(notes.camera)),
         ("background", notes.background.map(|x| x.to_string()).join(",")),
         ("rays", counters.rays.to_string()),
         ("hits", counters.hits.to_string()),
         ("doubtful", counters.doubtful.to_string()),
     ];
-    for (name, value) in told {
+    let seconds = notes.duration.map(|took| ("seconds", format!("{:.3}", took.as_secs_f64())));
+    for (name, value) in told.into_iter().chain(seconds) {
         let value = AttributeValue::Text(text(&value));
         attributes.other.insert(text(&format!("nurbray:{name}")), value);
     }
@@ -284,7 +287,7 @@ mod tests {
         ExrNotes {
             command,
             time,
-            duration: Duration::from_millis(1250),
+            duration: Some(Duration::from_millis(1250)),
             camera,
             background: [0.0, 0.25, 1.0],
         }
@@ -397,6 +400,23 @@ mod tests {
         assert_eq!(attributes.capture_date, Some(text("2023:11:14 22:13:20")));
         let software = attributes.software_name.as_ref().unwrap().to_string();
         assert!(software.starts_with("nurbray "));
+    }
+
+    #[test]
+    fn the_same_film_and_notes_are_the_same_bytes() {
+        let (camera, film) = (camera(), film(None));
+        let bytes = |duration| {
+            let mut memory = Cursor::new(Vec::new());
+            let notes = ExrNotes { duration, ..notes(&camera, "") };
+            write_exr_to(&mut memory, &film, ExrPrecision::Float, &notes).unwrap();
+            memory.into_inner()
+        };
+        assert_eq!(bytes(None), bytes(None));
+        let tells_seconds = |duration| {
+            let attributes = read_back(&bytes(duration)).layer_data.attributes.other;
+            attributes.contains_key(&text("nurbray:seconds"))
+        };
+        assert!(tells_seconds(Some(Duration::ZERO)) && !tells_seconds(None));
     }
 
     #[test]
