@@ -1,19 +1,17 @@
 //! `nurbray render`: a scene to pictures.
 
 mod picture;
+mod warnings;
 
 use std::ffi::OsString;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use nurbray::io::{
-    ExrNotes, ExrPrecision, Quoted, StagedFile, put_all_in_place, stage_exr, stage_png,
-};
-use nurbray::math::Shown;
+use nurbray::io::{ExrNotes, ExrPrecision, Quoted, WriteError, stage_png, write_exr};
 use nurbray::render::{AovSet, Film, RenderSettings, render};
-use nurbray::scene::{CameraSpec, IntegratorKind, Lens, RenderDefaults, Scene, World, Written};
+use nurbray::scene::{CameraSpec, IntegratorKind, Lens, RenderDefaults, World};
 
 use super::args::RenderArguments;
 use super::failure::{Failure, OrFail};
@@ -21,6 +19,7 @@ use super::progress::{Progress, duration};
 use super::table::count;
 use super::{console, input, output, threads};
 use picture::{Format, Picture};
+use warnings::{warn_of_bright_materials, warn_of_lost_numbers, warn_of_what_is_lost};
 
 /// Progress is counted in thousandths, since only the renderer knows the number of tiles; no bar
 /// is wider.
@@ -30,6 +29,7 @@ const PROGRESS_STEPS: u64 = 1000;
 pub(crate) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     // Whatever can be refused is refused before the work begins.
     let pictures = picture::pictures(&arguments.outputs)?;
+    let fixed_time = fixed_time()?;
     let paths: Vec<&Path> = pictures.iter().map(|picture| picture.path).collect();
     output::check(&paths, &[&arguments.input])?;
     let mut scene = input::read(&arguments.input)?;
@@ -60,8 +60,13 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     if seen == 0 && settings.crop.is_none() {
         input::warn_of_nothing_seen(&arguments.input.display().to_string());
     }
-    let staged = pictures.iter().map(|picture| stage(picture, &film, &world, (arguments, took)));
-    put_all_in_place(staged.collect::<Result<_, _>>()?).or_failed()?;
+    warn_of_lost_numbers(&film, world.camera(), &pictures);
+    // With a fixed time, nothing in the file may tell one run from another.
+    let when = match fixed_time {
+        Some(time) => (time, None),
+        None => (SystemTime::now(), Some(took)),
+    };
+    write_all(&pictures, |picture| write(picture, &film, &world, (arguments, when)))?;
     if !arguments.quiet {
         console::say(&format!("{}; wrote {}", summary(&film, took), output::listed(&paths)));
     }
@@ -132,47 +137,64 @@ fn override_camera(arguments: &RenderArguments, camera: &mut CameraSpec) -> Resu
     }
 }
 
-/// Warns of options that change nothing in any file.
-fn warn_of_what_is_lost(arguments: &RenderArguments, pictures: &[Picture<'_>]) {
-    let Some(first) = pictures.first().map(|picture| picture.path.display()) else { return };
-    if let Some(aovs) = arguments.aov.filter(|aovs| !aovs.is_empty())
-        && picture::all(pictures, Format::Png)
-    {
-        console::warning(&format!(
-            "{first}: a PNG holds colour only, {aovs} will be in no file; -o with an .exr holds \
-             them"
-        ));
-    }
-    if arguments.exposure.is_some() && picture::all(pictures, Format::Exr) {
-        console::warning(&format!(
-            "{first}: an EXR holds light as it is, --exposure is for a .png and changes nothing"
-        ));
-    }
+/// The time that `SOURCE_DATE_EPOCH` gives to all files, for builds that can be repeated
+/// (reproducible-builds.org); `None` if it is not set.
+///
+/// # Errors
+/// When it is no time that an EXR can hold: wrong use.
+fn fixed_time() -> Result<Option<SystemTime>, Failure> {
+    let Some(value) = std::env::var_os("SOURCE_DATE_EPOCH") else { return Ok(None) };
+    let words = value.to_string_lossy();
+    let time = time_of(&words).ok_or_else(|| {
+        Failure::input(format!(
+            "SOURCE_DATE_EPOCH is \"{}\": needed is a whole number of seconds since 1970, at most \
+             {LAST_SECOND}, such as 1700000000",
+            words.escape_debug()
+        ))
+    })?;
+    Ok(Some(time))
 }
 
-/// Warns of materials that send back more light than falls on them: likely meant to be 0 to 1.
-fn warn_of_bright_materials(scene: &Scene) {
-    for Written { value: material, place } in &scene.materials {
-        let largest = material.largest_albedo();
-        if largest > 1.0 {
-            let place = if place.label().is_some() { format!("{place}: ") } else { String::new() };
-            console::warning(&format!(
-                "{place}material \"{}\" sends back {} times the light that falls on it; \
-                 colours of things are from 0 to 1",
-                material.name,
-                Shown(largest)
-            ));
+/// The last second of the year 9999: dates of an EXR have years of four digits.
+const LAST_SECOND: u64 = 253_402_300_799;
+
+fn time_of(seconds: &str) -> Option<SystemTime> {
+    let digits = seconds.bytes().all(|byte| byte.is_ascii_digit());
+    let seconds = seconds.parse().ok().filter(|seconds| digits && *seconds <= LAST_SECOND)?;
+    UNIX_EPOCH.checked_add(Duration::from_secs(seconds))
+}
+
+/// Writes each picture, even if another cannot be: rendering may have taken long.
+///
+/// # Errors
+/// When one or more cannot be written: names them, and those that were.
+fn write_all(
+    pictures: &[Picture<'_>],
+    write: impl Fn(&Picture<'_>) -> Result<(), WriteError>,
+) -> Result<(), Failure> {
+    let (mut written, mut errors) = (Vec::new(), Vec::new());
+    for picture in pictures {
+        match write(picture) {
+            Ok(()) => written.push(picture.path),
+            Err(error) => errors.push(error.to_string()),
         }
     }
+    if errors.is_empty() {
+        return Ok(());
+    }
+    if !written.is_empty() {
+        errors.push(format!("wrote {}", output::listed(&written)));
+    }
+    Err(Failure::work(errors.join("; ")))
 }
 
-/// Writes a picture to a file that is not yet put in its place.
-fn stage(
+/// Writes a picture, made at a time within a duration, if that is to be told.
+fn write(
     picture: &Picture<'_>,
     film: &Film,
     world: &World,
-    (arguments, took): (&RenderArguments, Duration),
-) -> Result<StagedFile, Failure> {
+    (arguments, (time, duration)): (&RenderArguments, (SystemTime, Option<Duration>)),
+) -> Result<(), WriteError> {
     match picture.format {
         Format::Exr => {
             let command = command_line(std::env::args_os());
@@ -180,17 +202,17 @@ fn stage(
             let has_background = film.settings().integrator == IntegratorKind::Direct;
             let notes = ExrNotes {
                 command: &command,
-                time: SystemTime::now(),
-                duration: Some(took),
+                time,
+                duration,
                 camera: world.camera(),
                 background: if has_background { world.background() } else { [0.0; 3] },
             };
-            stage_exr(picture.path, film, ExrPrecision::Float, &notes).or_failed()
+            write_exr(picture.path, film, ExrPrecision::Float, &notes)
         }
         Format::Png => {
             let exposure = arguments.exposure.unwrap_or(world.settings().exposure);
             // What a PNG leaves out was said before the work began.
-            stage_png(picture.path, film, exposure).or_failed()
+            stage_png(picture.path, film, exposure)?.put_in_place()
         }
     }
 }
@@ -230,6 +252,16 @@ fn summary(film: &Film, took: Duration) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn times_are_whole_seconds_of_years_with_four_digits() {
+        let at = |seconds| Some(UNIX_EPOCH + Duration::from_secs(seconds));
+        assert_eq!([time_of("0"), time_of("1700000000")], [at(0), at(1_700_000_000)]);
+        assert_eq!(time_of("253402300799"), at(LAST_SECOND));
+        for wrong in ["", "+1", "-1", "1.5", "1e9", " 1", "253402300800", "99999999999999999999"] {
+            assert_eq!(time_of(wrong), None, "{wrong}");
+        }
+    }
 
     #[test]
     fn the_command_line_can_be_typed_again() {

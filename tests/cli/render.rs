@@ -375,13 +375,80 @@ fn a_failed_run_leaves_older_pictures_alone() {
     assert_eq!(sandbox.files(), ["a.png", "sphere.toml"]);
 }
 
-/// If the second of two outputs cannot be written, the first stays as it was.
+/// A finished picture is not lost because another cannot be written.
 #[cfg(target_os = "linux")]
 #[test]
-fn no_picture_is_replaced_if_another_cannot_be_written() {
+fn pictures_are_written_even_if_another_cannot_be() {
     let sandbox = Sandbox::with(&[("sphere.toml", SPHERE), ("good.exr", "old")]);
-    std::os::unix::fs::symlink("/dev/full", sandbox.path("full.png")).unwrap();
-    let run = sandbox.run("render sphere.toml -o good.exr -o full.png");
-    run.failed(1, "cannot write \"full.png\": No space left on device (os error 28)");
-    assert_eq!(sandbox.bytes("good.exr"), b"old");
+    for name in ["full.png", "fuller.png"] {
+        std::os::unix::fs::symlink("/dev/full", sandbox.path(name)).unwrap();
+    }
+    let full = "cannot write \"full.png\": No space left on device (os error 28)";
+    sandbox.run("render sphere.toml -o full.png").failed(1, full);
+    let run = sandbox.run("render sphere.toml -o good.exr -o full.png -o good.png");
+    run.failed(1, &format!("{full}; wrote good.exr and good.png"));
+    assert_eq!(sandbox.bytes("good.exr")[..4], [0x76, 0x2f, 0x31, 0x01]);
+    let fuller = full.replace("full.png", "fuller.png");
+    let run = sandbox.run("render sphere.toml -o full.png -o fuller.png");
+    run.failed(1, &format!("{full}; {fuller}"));
+}
+
+#[test]
+fn light_that_no_picture_holds_is_refused_or_told() {
+    let ambient = "[[light]]\nambient = { radiance = 3e38 }\n";
+    let sandbox = Sandbox::with(&[
+        ("background.toml", &format!("background = 1e39\n{SPHERE}")),
+        ("bright.toml", &format!("{SPHERE}{ambient}{ambient}")),
+    ]);
+    sandbox.run("render background.toml -o a.exr").failed(
+        2,
+        "background.toml:1:14: found 1e39, needed at most 3.4e38: pictures hold no brighter light",
+    );
+    // Each light would do, both together do not.
+    let line = "render bright.toml -o a.exr -o a.png --quiet";
+    let run = sandbox.run(&format!("{line} --look-from 0,-9,0 --fov 1")).succeeded();
+    assert_eq!(
+        run.stderr,
+        "warning: a.exr: 384 pixels with numbers beyond 3.4e38, the largest that an EXR holds: \
+         they are infinite there\n"
+    );
+    assert_eq!(sandbox.run("render bright.toml -o a.png --quiet").succeeded().stderr, "");
+}
+
+#[test]
+fn points_too_far_away_for_32_bits_warn() {
+    let far = format!("{SPHERE}transform = [{{ translate = [4.56e5, 5.4321e6, 312] }}]\n");
+    let sandbox = Sandbox::with(&[("far.toml", &far)]);
+    let run = sandbox.run("render far.toml -o a.exr --fov 1e-3 --look-from 456000,5431000,312");
+    let warning = "warning: a.exr: 384 pixels in which the 32 bits of P have steps of more than \
+                   1/10 of the pixel: the scene is too far from the origin for them; \
+                   `nurbray cast` writes points in f64";
+    assert_eq!(run.succeeded().stderr.lines().next(), Some(warning));
+    let run = sandbox.run("render far.toml -o a.exr --aov Z,N --quiet").succeeded();
+    assert_eq!(run.stderr, "");
+}
+
+/// <https://reproducible-builds.org/docs/source-date-epoch>
+#[test]
+fn a_given_time_makes_files_the_same() {
+    let sandbox = sandbox();
+    let run = |time: &str, line: &str| {
+        let mut command = sandbox.command(line);
+        crate::sandbox::Run::from_output(command.env("SOURCE_DATE_EPOCH", time).output().unwrap())
+    };
+    let bytes = |time| {
+        run(time, "render sphere.toml -o a.exr").succeeded();
+        sandbox.bytes("a.exr")
+    };
+    let first = bytes("1700000000");
+    assert_eq!(first, bytes("1700000000"));
+    let text = String::from_utf8_lossy(&first).into_owned();
+    assert!(text.contains("2023:11:14 22:13:20") && !text.contains("nurbray:seconds"));
+    assert_ne!(first, bytes("1700000001"));
+    run("now", "render sphere.toml -o b.exr").failed(
+        2,
+        "SOURCE_DATE_EPOCH is \"now\": needed is a whole number of seconds since 1970, at most \
+         253402300799, such as 1700000000",
+    );
+    assert_eq!(sandbox.files(), ["a.exr", "sphere.toml"]);
 }

@@ -21,6 +21,9 @@ those that hit something. Of the rest, with direct, the background
 (nurbray:background in the header; 0,0,0 there with the others) is part of R, G, B
 already: subtract (1 - A) times that before you put the picture over another one.
 
+Samples lie anywhere in their pixel, spread evenly (Sobol points, scrambled); a
+pixel is their plain mean: a box filter, one pixel wide.
+
 What an EXR holds besides, the AOVs (--aov chooses):
   Z       distance from the camera (of an orthographic one: from its film) to the
           hit, along the ray, in scene units; infinite where nothing is hit
@@ -33,7 +36,24 @@ What an EXR holds besides, the AOVs (--aov chooses):
   Albedo  the share of light sent back, a mean over all samples; misses count as 0
   doubt   the share of samples of which a ray, to a light perhaps, is doubtful, a
           mean over all samples: where the picture is not certain; if asked for
-All except Albedo and doubt describe one hit: that of the pixel's first sample that hits.
+All except Albedo and doubt describe one hit: that of the pixel's first sample
+that hits.
+All are 32-bit floats, of some seven digits. At 1e6 from the origin P has steps of
+1/16, however small the model; a warning says where they exceed 1/10 of a pixel.
+`nurbray cast` writes hits in f64.
+
+The header of an EXR tells how it was made: capDate (UTC), software,
+screenWindowWidth, worldToCamera (row vectors, p_camera = p_world M; x to the
+right, y up, z forward: left-handed; 32 bits, as P), and as text nurbray:command,
+version, seed, spp, samples, integrator, background, camera (all digits of its
+numbers), rays (shadow rays among them), hits (of camera rays), doubtful, seconds
+(of rendering). If the environment variable SOURCE_DATE_EPOCH is set to a number
+of seconds since 1970, capDate is that time and nurbray:seconds is left out: the
+same command then writes the same file, byte for byte.
+
+If one of several OUT cannot be written, the others are, and the run fails. A run
+that is interrupted writes nothing: render ranges of samples one after the other
+(--samples) to keep what is done.
 
 With --crop, an EXR keeps the whole picture as its display window and holds the
 crop's pixels as its data window; a PNG holds the crop's pixels only.
