@@ -10,7 +10,8 @@
 //! [camera]                               # without one, everything is in the picture
 //! look_from = [4, -7, 3]
 //! look_at = [0, 0, 0.8]                  # the middle of the scene if not given
-//! up = [0, 0, 1]                         # z if not given
+//! up = [0, 0, 1]                         # z if not given, or y if the camera looks along z;
+//!                                        # refused if it runs along the view
 //! perspective = { fov = 30 }             # vertical, in degrees; 30 if not given
 //!                                        # or: orthographic = { height = 4 }
 //! [render]                               # the command line overrides these
@@ -21,7 +22,7 @@
 //! exposure = 0                           # of the PNG, in stops
 //!
 //! [[light]]                              # without any: a key, a fill, a little ambient
-//! directional = { from = [-2, -3, 4], irradiance = 2.5 }
+//! directional = { from = [-2, -3, 4], irradiance = 2.5 } # from: where the light comes from
 //! [[light]]
 //! point = { position = [3, -2, 5], intensity = [20, 18, 15] }
 //! [[light]]
@@ -32,9 +33,10 @@
 //! color = "#c8664a"                      # or [r, g, b], or one number for grey
 //! [[material]]
 //! name = "tiles"
-//! checker = { count = [8, 8], colors = [0.7, 0.3] }
+//! checker = { count = [8, 8], colors = [0.7, 0.3] } # the first where u and v begin
 //! [[material]]
-//! name = "grid"                          # lines of constant u and v, borders included
+//! name = "grid"                          # lines of constant u and v, borders included; width is
+//!                                        # a share of a cell, half of it on each side of the line
 //! lines = { count = [8, 16], width = 0.06, color = 0.05, base = 0.8 }
 //!
 //! [[object]]
@@ -58,6 +60,12 @@
 //!     # { matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]] },
 //! ]
 //! ```
+//!
+//! Light is in units of one's own choice, linear in red, green and blue. `irradiance` is that of a
+//! surface which faces the light; a point light of `intensity` I at distance r, at an angle θ to
+//! the normal, brings the irradiance I cos θ / r². A surface of colour a under the irradiance E
+//! has the radiance a E / π, and a L in ambient light of `radiance` L. Materials are lit on the
+//! side that is seen, whichever way the normal points.
 //!
 //! With `reverse = true` the normals of an object's surfaces point to the other side: NURBS
 //! surfaces run backwards in u; in triangular patches, and in each unit square of subdivision
