@@ -65,6 +65,7 @@ use super::keyed::Keyed;
 use super::message::explain;
 use super::source::Source;
 use crate::geometry::NurbsSurface;
+use crate::math::Counted;
 use crate::scene::{ImportNote, Knots, Net, Part, Place, Shape, Written};
 
 /// The surfaces of a model file, and what else it holds.
@@ -285,7 +286,7 @@ impl<'a> Reader<'a> {
             self.needed(entry, "degree_u", item.degree_u)?.value,
             self.needed(entry, "degree_v", item.degree_v)?.value,
         ];
-        let size = [
+        let size: [usize; 2] = [
             self.needed(entry, "size_u", item.size_u)?.value,
             self.needed(entry, "size_v", item.size_v)?.value,
         ];
@@ -322,6 +323,12 @@ impl<'a> Reader<'a> {
                 let message = format!("its points have {other} coordinates, needed are 3{hint}");
                 return Err(entry.malformed(points.place, &message));
             }
+        }
+        let ([nu, nv], given) = (size, points.value.points.len());
+        if nu.checked_mul(nv) != Some(given) {
+            let given = Counted(given, "point");
+            let message = format!("size_u × size_v is {nu} × {nv}, but the list has {given}");
+            return Err(entry.malformed(points.place, &message));
         }
         let points = Written::new(points.value.points, points.place);
         let weights = weights.map(|raw| self.weights(raw)).transpose()?;

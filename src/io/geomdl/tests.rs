@@ -188,7 +188,7 @@ fn wrong_counts() {
     );
     assert_eq!(
         error(&changed(", [1, 2, 0.5]", "")),
-        "m.json:7:15: surface \"m/lid\": 5 control points, but the knots need 2 × 3 of them"
+        "m.json:7:15: surface \"m/lid\": size_u × size_v is 2 × 3, but the list has 5 points"
     );
     assert_eq!(
         error(&changed("[1, 1, 1, 1, 2, 1]", "[1, 1]")),
@@ -196,14 +196,15 @@ fn wrong_counts() {
          each needs one, or none has any"
     );
     // Absurd counts are refused before anything is allocated for them.
-    assert_eq!(
-        error(&changed("\"size_u\": 2", "\"size_u\": 1000000000000000")),
-        format!(
-            "m.json:4:19: surface \"m/lid\", direction u: 1000000000000000 points: \
-             at most {} in one direction are supported",
-            crate::geometry::MAX_CONTROL_POINTS
-        )
-    );
+    for (size, shown) in [("3", "3 × 3"), ("9223372036854775808", "9223372036854775808 × 3")] {
+        assert_eq!(
+            error(&changed("\"size_u\": 2", &format!("\"size_u\": {size}"))),
+            format!(
+                "m.json:7:15: surface \"m/lid\": size_u × size_v is {shown}, but the list has 6 \
+                 points"
+            )
+        );
+    }
     assert_eq!(
         error(&changed("\"degree_v\": 2", "\"degree_v\": 4000000000")),
         "m.json:5:19: surface \"m/lid\", direction v: degree 4000000000: \
