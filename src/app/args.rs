@@ -4,6 +4,7 @@ mod bench;
 mod compare;
 mod count;
 mod help;
+mod hints;
 mod plot;
 mod values;
 
@@ -11,7 +12,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, Parser, Subcommand};
 use glam::DVec3;
 use nurbray::intersect::Kernel;
 use nurbray::render::{AovSet, MAX_THREADS, PixelRect};
@@ -83,7 +84,8 @@ pub(crate) struct RenderArguments {
     pub(crate) spp: Option<u32>,
 
     /// Take only samples A to B-1 of each pixel, to split work between runs, or go on where others
-    /// ended: beyond the scene's samples, too, but not beyond --spp [default: 0..spp]
+    /// ended: beyond the scene's samples, too, but not beyond --spp. If a long render may be
+    /// interrupted, several ranges keep what is done [default: 0..spp]
     #[arg(long, value_name = "A..B", value_parser = values::samples)]
     pub(crate) samples: Option<SampleRange>,
 
@@ -108,7 +110,8 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point)]
     pub(crate) look_at: Option<DVec3>,
 
-    /// Which way is up in the picture
+    /// Which way is up in the picture; not along the view [default: the scene's, else z, or y if
+    /// the camera looks along z]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point)]
     pub(crate) up: Option<DVec3>,
 
@@ -170,7 +173,12 @@ impl Arguments {
                 _ => joined.push(word),
             }
         }
-        Self::try_parse_from(joined)
+        let words = joined.clone();
+        Self::try_parse_from(joined).map_err(|error| {
+            let mut command = Self::command();
+            command.build();
+            hints::with_hint(error, &command, &words)
+        })
     }
 }
 
@@ -215,7 +223,9 @@ fn integrators() -> impl TypedValueParser<Value = IntegratorKind> {
 #[command(after_help = "\
 RAYS.npy: float64 or float32, of shape (n, 6): origin x y z, direction x y z; or
   (n, 8) with t_min, t_max. The hit point is o + t d with d as given; t is in
-  (0, inf) unless the file says otherwise. Rays that go on from hits need a small
+  (0, inf) unless the file says otherwise. Neither t_min nor t_max belongs to the
+  range: a hit there, to within rounding, may be left out, and the answer is
+  doubtful. Rays that go on from hits need a small
   t_min, 1e-9 of the model's size over |d|: else most meet their surface again, or
   are in doubt.
 HITS.npy: float64, shape (n, 11): t, surface, u, v, x, y, z, nx, ny, nz, flags.
@@ -315,8 +325,6 @@ pub(crate) struct InfoArguments {
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
-
     use super::*;
 
     #[test]

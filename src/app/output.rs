@@ -33,6 +33,11 @@ pub(crate) fn check(outputs: &[&Path], inputs: &[&Path]) -> Result<(), Failure> 
 pub(crate) fn format(path: &Path, known: &[&'static str]) -> Result<&'static str, Failure> {
     let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
     let format = known.iter().find(|known| extension.as_deref() == Some(known.as_ref()));
+    let bare = path.file_name().and_then(|name| name.to_str()?.strip_prefix('.'));
+    if bare.is_some_and(|bare| known.iter().any(|known| known.eq_ignore_ascii_case(bare))) {
+        let path = path.display();
+        return Err(Failure::input(format!("{path}: a file name is needed before the extension")));
+    }
     format.copied().ok_or_else(|| {
         let found = match &extension {
             Some(extension) => format!("cannot write .{} files", extension.display()),
@@ -159,6 +164,10 @@ mod tests {
             "-: it does not stand for standard output, and no extension says how to write it; known \
              is .npy"
         );
+        for bare in [".exr", "a/.EXR"] {
+            let expected = format!("{bare}: a file name is needed before the extension");
+            assert_eq!(message(bare, &["exr", "png"]), expected);
+        }
         assert_eq!(message("h.csv", &["npy"]), "h.csv: cannot write .csv files; known is .npy");
         assert!(check_npy(Path::new("h.npy")).is_ok() && check_npy(Path::new("h.NPY")).is_ok());
         assert!(check_npy(Path::new("h.csv")).is_err() && check_npy(Path::new("h")).is_err());

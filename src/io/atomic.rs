@@ -28,6 +28,22 @@ pub enum WriteError {
         /// The folder that is missing.
         folder: PathBuf,
     },
+    /// The folder takes no new files, though the file itself may be writable: what is written is a
+    /// new file, which then takes the old one's place.
+    #[error(
+        "cannot write {}: no file can be made in the folder {}: {reason}",
+        Quoted(path),
+        Quoted(folder)
+    )]
+    InFolder {
+        /// The file to be written.
+        path: PathBuf,
+        /// The folder.
+        folder: PathBuf,
+        /// What the system says.
+        #[source]
+        reason: io::Error,
+    },
     /// The system refuses, or the contents cannot be encoded.
     #[error("cannot write {}: {reason}", Quoted(path))]
     Io {
@@ -54,11 +70,10 @@ enum Target {
 /// # Errors
 /// When [`write_atomically`] would fail for these reasons.
 pub fn check_writable(path: &Path) -> Result<(), WriteError> {
-    let found = match target(path)? {
-        Target::File { folder, .. } => temporary(&folder).map(drop),
+    match target(path)? {
+        Target::File { folder, .. } => temporary(path, folder).map(drop),
         Target::Stream => Ok(()),
-    };
-    found.map_err(|reason| WriteError::Io { path: path.to_owned(), reason })
+    }
 }
 
 /// Writes a file whole or not at all.
@@ -108,7 +123,10 @@ pub fn stage(
     write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
 ) -> Result<StagedFile, WriteError> {
     let staged = match target(path)? {
-        Target::File { path: file, folder, old } => beside(file, &folder, old, write),
+        Target::File { path: file, folder, old } => {
+            let temporary = temporary(path, folder)?;
+            filled(temporary, old, write).map(|temporary| Staged::File { temporary, file })
+        }
         Target::Stream => tempfile::tempfile().and_then(|mut file| {
             fill(&mut file, write)?;
             file.rewind()?;
@@ -200,30 +218,30 @@ fn names_file(path: &Path) -> bool {
     path.file_name().is_some() && !ends_open
 }
 
-/// An empty file that disappears unless it is kept, with the permissions of a new file.
+/// An empty file that disappears unless it is kept, with the permissions of a new file. It is to
+/// take the place of `path`.
 ///
 /// It is opened here because `tempfile` would add the file's name, which means nothing to anyone,
 /// to the message of the system.
-fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
+fn temporary(path: &Path, folder: PathBuf) -> Result<NamedTempFile, WriteError> {
     let open = |path: &Path| OpenOptions::new().read(true).write(true).create_new(true).open(path);
-    tempfile::Builder::new().prefix(".nurbray-").suffix(".tmp").make_in(folder, open)
+    let made = tempfile::Builder::new().prefix(".nurbray-").suffix(".tmp").make_in(&folder, open);
+    made.map_err(|reason| WriteError::InFolder { path: path.to_owned(), folder, reason })
 }
 
-/// Writes a temporary file that can take the file's place.
-fn beside(
-    file: PathBuf,
-    folder: &Path,
+/// A temporary file with all bytes in it, ready to take the place of one of these permissions.
+fn filled(
+    mut temporary: NamedTempFile,
     old: Option<Permissions>,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
-) -> io::Result<Staged> {
-    let mut temporary = temporary(folder)?;
+) -> io::Result<NamedTempFile> {
     fill(temporary.as_file_mut(), write)?;
     if let Some(old) = old {
         temporary.as_file().set_permissions(old)?;
     }
     // On the disk before the rename, so that a power cut cannot leave a name without contents.
     temporary.as_file().sync_all()?;
-    Ok(Staged::File { temporary, file })
+    Ok(temporary)
 }
 
 /// Copies a file into a device or a pipe.
@@ -353,7 +371,8 @@ mod tests {
     fn the_temporary_file_is_not_mentioned() {
         // Nobody, not even root, makes files in the kernel's tables.
         let error = check_writable(Path::new("/proc/a.exr")).unwrap_err().to_string();
-        assert!(error.starts_with("cannot write \"/proc/a.exr\": "), "{error}");
+        let start = "cannot write \"/proc/a.exr\": no file can be made in the folder \"/proc\": ";
+        assert!(error.starts_with(start), "{error}");
         assert!(error.ends_with(')') && !error.contains("nurbray"), "{error}");
     }
 

@@ -14,10 +14,20 @@ const KINDS: [(&str, &str); 5] = [
 
 /// Keys and names that stand in the wrong table, are in the wrong unit, or have another name here:
 /// the key, a key that this table does have, and what to write instead.
-const ELSEWHERE: [(&str, &str, &str); 26] = [
+const ELSEWHERE: [(&str, &str, &str); 28] = [
     ("radians", "degrees", "degrees = …"),
     ("fov", "perspective", "perspective = { fov = … }"),
     ("height", "orthographic", "orthographic = { height = … }"),
+    (
+        "direction",
+        "directional",
+        "directional = { from = [x, y, z], irradiance = … }: from where the light comes",
+    ),
+    (
+        "direction",
+        "irradiance",
+        "from = [x, y, z], where the light comes from: the opposite of its direction of travel",
+    ),
     ("from", "look_from", "look_from = [x, y, z]"),
     ("at", "look_from", "look_at = [x, y, z]"),
     ("position", "look_from", "look_from = [x, y, z]"),
@@ -68,7 +78,14 @@ const AROUND_CURVES: [(&str, [&str; 2]); 3] = [
 ];
 
 /// Keys whose values are often written as another kind of value, and what these look like.
-const EXAMPLES: [(&str, &str); 19] = [
+const EXAMPLES: [(&str, &str); 26] = [
+    ("perspective", "{ fov = 30 }"),
+    ("orthographic", "{ height = 4 }"),
+    ("directional", "{ from = [-2, -3, 4], irradiance = 2.5 }"),
+    ("point", "{ position = [3, -2, 5], intensity = 20 }"),
+    ("ambient", "{ radiance = 0.1 }"),
+    ("profile", "{ polyline = […] }"),
+    ("path", "{ polyline = […] }"),
     ("rotate", "{ axis = \"z\", degrees = 90 }"),
     ("nurbs", "{ degree = …, points = […] }"),
     ("through", "{ points = […] }"),

@@ -54,6 +54,40 @@ fn wrong_use_is_explained_on_stderr() {
     );
 }
 
+#[test]
+fn slips_of_the_command_line_get_hints() {
+    let sandbox = Sandbox::new();
+    for (line, error, tip) in [
+        (
+            "scene.toml",
+            "unrecognized subcommand 'scene.toml'",
+            "tip: write `nurbray render scene.toml -o picture.png`",
+        ),
+        (
+            "render a.toml out.exr",
+            "unexpected argument 'out.exr' found",
+            "tip: to write this file, write `-o out.exr`",
+        ),
+        (
+            "render a.toml -o a.png --width 300",
+            "unexpected argument '--width' found",
+            "tip: a similar argument exists: '--size'",
+        ),
+        (
+            "render a.toml -o a.exr --AOV Z",
+            "unexpected argument '--AOV' found",
+            "tip: a similar argument exists: '--aov'",
+        ),
+    ] {
+        let run = sandbox.run(line);
+        let tips: Vec<_> = run.stderr.lines().filter(|line| line.contains("tip:")).collect();
+        assert_eq!(tips, [format!("  {tip}")], "{line}");
+        run.misused(error);
+    }
+    let run = sandbox.run("info a.toml --colour");
+    assert!(!run.stderr.contains("tip:"), "{}", run.stderr);
+}
+
 /// No option is a number: a word that begins like a negative number is a value, here a bad one.
 #[test]
 fn negative_numbers_are_values() {
