@@ -10,8 +10,7 @@
 //! [camera]                               # without one, everything is in the picture
 //! look_from = [4, -7, 3]
 //! look_at = [0, 0, 0.8]                  # the middle of the scene if not given
-//! up = [0, 0, 1]                         # z if not given, or y if the camera looks along z;
-//!                                        # refused if it runs along the view
+//! up = [0, 0, 1]                         # not along the view; z if not given, y if that is
 //! perspective = { fov = 30 }             # vertical, in degrees; 30 if not given
 //!                                        # or: orthographic = { height = 4 }
 //! [render]                               # the command line overrides these
@@ -35,8 +34,7 @@
 //! name = "tiles"
 //! checker = { count = [8, 8], colors = [0.7, 0.3] } # the first where u and v begin
 //! [[material]]
-//! name = "grid"                          # lines of constant u and v, borders included; width is
-//!                                        # a share of a cell, half of it on each side of the line
+//! name = "grid"                          # lines of constant u and v, borders included
 //! lines = { count = [8, 16], width = 0.06, color = 0.05, base = 0.8 }
 //!
 //! [[object]]
@@ -65,7 +63,8 @@
 //! surface which faces the light; a point light of `intensity` I at distance r, at an angle θ to
 //! the normal, brings the irradiance I cos θ / r². A surface of colour a under the irradiance E
 //! has the radiance a E / π, and a L in ambient light of `radiance` L. Materials are lit on the
-//! side that is seen, whichever way the normal points.
+//! side that is seen, whichever way the normal points. The `width` of `lines` is a share of a cell,
+//! half of it on each side of a line.
 //!
 //! With `reverse = true` the normals of an object's surfaces point to the other side: NURBS
 //! surfaces run backwards in u; in triangular patches, and in each unit square of subdivision
