@@ -14,7 +14,7 @@ const KINDS: [(&str, &str); 5] = [
 
 /// Keys and names that stand in the wrong table, are in the wrong unit, or have another name here:
 /// the key, a key that this table does have, and what to write instead.
-const ELSEWHERE: [(&str, &str, &str); 28] = [
+const ELSEWHERE: [(&str, &str, &str); 29] = [
     ("radians", "degrees", "degrees = …"),
     ("fov", "perspective", "perspective = { fov = … }"),
     ("height", "orthographic", "orthographic = { height = … }"),
@@ -36,6 +36,7 @@ const ELSEWHERE: [(&str, &str, &str); 28] = [
     ("samples", "spp", "spp = …"),
     ("color", "shape", "material = \"name\", and a [[material]] of that name"),
     ("file", "shape", "shape = { file = \"…\" }"),
+    ("tolerance", "doo_sabin", "catmull_clark = { file = \"…\", tolerance = … }, or doo_sabin"),
     ("nurbs", "shape", "[object.shape.nurbs]"),
     ("translate", "shape", "transform = [{ translate = [x, y, z] }]"),
     ("rotate", "shape", "transform = [{ rotate = { axis = \"z\", degrees = … } }]"),

@@ -181,7 +181,7 @@ fn wrong_values_say_what_is_needed() {
         ),
         (
             "[[object]]\nshape = { sphere = {}, cone = {} }",
-            "4:9: found the keys cone and sphere, needed one: each shape needs an [[object]] of its own",
+            "4:9: found the keys sphere and cone, needed one: each shape needs an [[object]] of its own",
         ),
         (
             "[[object]]\nshape = { sphere = { radius = -1 } }",
@@ -190,7 +190,7 @@ fn wrong_values_say_what_is_needed() {
         (
             "[[light]]\npoint = { position = [0, 0, 1], intensity = 1 }\nambient = { radiance = 1 }\n\
              directional = { from = [0, 0, 1], irradiance = 1 }",
-            "3:1: found the keys ambient, directional and point, needed one: each light is a \
+            "3:1: found the keys point, ambient and directional, needed one: each light is a \
              [[light]] of its own",
         ),
         (
@@ -207,6 +207,11 @@ fn wrong_values_say_what_is_needed() {
             "[[object]]\nshape = { file = 'x.obj', tolerance = 1e-6 }",
             "4:9: found the keys file and tolerance, needed one: of a cage's surface, write \
              catmull_clark = { file = \"…\", tolerance = … }, or doo_sabin",
+        ),
+        (
+            "[[object]]\nshape = { tolerance = 1e-6, file = 'x.obj' }",
+            "4:11: unknown shape \"tolerance\"; write catmull_clark = { file = \"…\", tolerance = … }, \
+             or doo_sabin",
         ),
     ] {
         assert_eq!(error(&with_sphere(lines)), format!("s.toml:{message}"), "{lines}");
@@ -279,17 +284,26 @@ fn lists_are_no_tables() {
         ("[[object]]\nshape = { sphere = [] }", "4:20"),
         ("[[object]]\nshape = { deck_patch = [] }", "4:24"),
         ("[[object]]\nshape = { plane = [1, 1] }", "4:19"), // which is a name in plots
-        ("[[light]]\nambient = [1]", "4:11"),
         ("[[material]]\nname = 'm'\nlines = [8]", "5:9"),
         ("[[material]]\nname = 'm'\nchecker = [8]", "5:11"),
-        ("[camera]\nperspective = [30]", "4:15"),
-        ("[camera]\northographic = [30]", "4:16"),
     ] {
         let message = format!("s.toml:{place}: found a list, needed a table");
         assert_eq!(error(&with_sphere(lines)), message, "{lines}");
     }
     // What is often written so has an example.
     for (lines, message) in [
+        (
+            "[[light]]\nambient = [1]",
+            "4:11: found a list, needed a table, as in ambient = { radiance = 0.1 }",
+        ),
+        (
+            "[camera]\nperspective = [30]",
+            "4:15: found a list, needed a table, as in perspective = { fov = 30 }",
+        ),
+        (
+            "[camera]\northographic = [30]",
+            "4:16: found a list, needed a table, as in orthographic = { height = 4 }",
+        ),
         (
             "transform = [{ rotate = [0, 0, 90] }]",
             "3:25: found a list, needed a table, as in rotate = { axis = \"z\", degrees = 90 }",
