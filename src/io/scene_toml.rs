@@ -432,6 +432,8 @@ mod object_tests;
 #[cfg(test)]
 mod patch_tests;
 #[cfg(test)]
+mod slip_tests;
+#[cfg(test)]
 mod tests;
 #[cfg(test)]
 mod trims_tests;

@@ -6,7 +6,7 @@ use super::tests::{error, scene};
 use crate::scene::{Plane, PlotKind, World};
 
 /// A sphere, and these lines after it.
-fn with_sphere(lines: &str) -> String {
+pub(super) fn with_sphere(lines: &str) -> String {
     format!("[[object]]\nshape = {{ sphere = {{}} }}\n{lines}")
 }
 
@@ -113,14 +113,6 @@ fn wrong_values_say_what_is_needed() {
         (
             "[[light]]\nambient = { radiance = -1 }",
             "4:24: found -1, needed an amount of light from 0 on",
-        ),
-        (
-            "[[light]]\nambient = { radiance = [1, 1e39, 1] }",
-            "4:24: found 1e39, needed at most 3.4e38: pictures hold no brighter light",
-        ),
-        (
-            "[[light]]\npoint = { position = [0, 0, 0], intensity = 1e300 }",
-            "4:45: found 1e300, needed at most 3.4e178: pictures hold no brighter light",
         ),
         (
             "[[light]]\nambient = { radiance = 'red' }",
@@ -557,33 +549,6 @@ fn errors_point_at_the_value_not_at_its_table() {
             "transform = [{ scale = 1e80 }]",
             "3:24: surface \"sphere\", placed by its transform: control point (0, 0) is \
              (0, 0, 1e80): coordinates must be finite (up to 1e70)",
-        ),
-        (
-            "[camera]\nperspective = 35",
-            "4:15: found integer 35, needed a table, as in perspective = { fov = 30 }",
-        ),
-        (
-            "[[light]]\nambient = 0.5",
-            "4:11: found the number 0.5, needed a table, as in ambient = { radiance = 0.1 }",
-        ),
-        (
-            "[[light]]\ndirection = [0, 0, -1]",
-            "4:1: unknown light \"direction\"; write directional = { from = [x, y, z], irradiance = … }: \
-             from where the light comes",
-        ),
-        (
-            "[[light]]\ndirectional = { direction = [0, 0, -1], irradiance = 1 }",
-            "4:17: unknown key \"direction\"; write from = [x, y, z], where the light comes from: \
-             the opposite of its direction of travel",
-        ),
-        (
-            "[[object]]\nshape = { revolution = { profile = [[1, 0], [1, 2]] } }",
-            "4:36: found a list, needed a table, as in profile = { polyline = […] }",
-        ),
-        (
-            "[camera]\nzoom = 2\nangle = 30",
-            "4:1: unknown key \"zoom\"; known: look_from, look_at, \
-          up, perspective, orthographic",
         ),
         ("[camera]\nfov = 30", "4:1: unknown key \"fov\"; write perspective = { fov = … }"),
         (
