@@ -165,7 +165,8 @@ mod tests {
             (lines(f64::NAN, B), "width NaN: a share of a cell, from 0 to 1, is needed"),
             (
                 lines(0.5, [0.0, -1.0, 0.0]),
-                "color between lines (0, -1, 0): red, green and blue must be finite numbers from 0 to 3.4e38",
+                "color between lines (0, -1, 0): red, green and blue \
+                 must be finite numbers from 0 to 3.4e38",
             ),
             (
                 Texture::Checker { count: [1, 1], colors: [A, [0.0, 0.0, f64::INFINITY]] },

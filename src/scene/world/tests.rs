@@ -41,12 +41,14 @@ fn light_that_is_none_is_refused() {
     let lights = vec![dark, Light::Ambient { radiance: [1.0, -1.0, 1.0] }];
     assert_eq!(
         message(&Scene { lights, ..scene(ball()) }),
-        "s.toml: light 1: radiance (1, -1, 1): red, green and blue must be finite numbers from 0 to 3.4e38"
+        "s.toml: light 1: radiance (1, -1, 1): red, green and blue \
+         must be finite numbers from 0 to 3.4e38"
     );
     let background = Some([0.0, f64::NAN, 0.0]);
     assert_eq!(
         message(&Scene { background, ..scene(ball()) }),
-        "s.toml: background (0, NaN, 0): red, green and blue must be finite numbers from 0 to 3.4e38"
+        "s.toml: background (0, NaN, 0): red, green and blue \
+         must be finite numbers from 0 to 3.4e38"
     );
     let texture = Texture::Constant([0.0, 0.0, -1.0]);
     let materials = vec![here(Material { name: "red".into(), texture })];
