@@ -338,10 +338,11 @@ pub(super) fn first_entered(entry: &[f32; LANES], met: u32) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::{Level, dispatch};
+    use fearless_simd::Level;
     use proptest::prelude::*;
 
     use super::*;
+    use crate::intersect::kernel::dispatch;
     use crate::intersect::tree::nodes::Child;
 
     proptest! {

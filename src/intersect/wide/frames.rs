@@ -190,12 +190,12 @@ pub(super) fn transposed<S: Simd, V: SimdBase<S>, const N: usize>(rows: [V; N]) 
 mod tests {
     use std::array::from_fn;
 
-    use fearless_simd::dispatch;
     use glam::DVec3;
     use proptest::prelude::*;
 
     use super::*;
     use crate::intersect::Kernel;
+    use crate::intersect::kernel::dispatch;
     use crate::math::RayFrame;
 
     /// Rays with directions of any length, often near one from which on lengths are computed in

@@ -89,10 +89,11 @@ pub(super) fn kept_in_window<S: Simd>(
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::{Level, SimdMask, dispatch};
+    use fearless_simd::{Level, SimdMask};
 
     use super::*;
     use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims, UvBox};
+    use crate::intersect::kernel::dispatch;
     use crate::math::SplitMix;
     use crate::math::bits::has;
 

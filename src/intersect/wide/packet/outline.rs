@@ -141,12 +141,12 @@ fn hull<S: Simd, Q: Shot>(simd: S, shots: &[Q]) -> Option<[[f64; 8]; 2]> {
 mod tests {
     use std::cell::Cell;
 
-    use fearless_simd::dispatch;
     use glam::Vec3Swizzles;
     use proptest::prelude::*;
 
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface};
+    use crate::intersect::kernel::dispatch;
     use crate::intersect::{Kernel, SurfaceBvh};
     use crate::math::Ray;
     use crate::math::testing::same_cases;

@@ -51,12 +51,13 @@ pub(super) fn screen<S: Simd>(
 mod tests {
     use std::cell::Cell;
 
-    use fearless_simd::{Level, dispatch};
+    use fearless_simd::Level;
     use glam::{DVec2, DVec3};
     use proptest::prelude::*;
 
     use super::*;
     use crate::geometry::shapes;
+    use crate::intersect::kernel::dispatch;
     use crate::intersect::wide::packet::box_crossing::cross_box;
     use crate::intersect::wide::packet::load::{find_planes, load};
     use crate::intersect::wide::proof::certified::certify;

@@ -223,12 +223,13 @@ impl<S: Simd> Errors<S> {
 mod tests {
     use std::cell::Cell;
 
-    use fearless_simd::{Level, dispatch};
+    use fearless_simd::Level;
     use glam::{DVec2, DVec3};
     use proptest::prelude::*;
 
     use super::*;
     use crate::geometry::shapes;
+    use crate::intersect::kernel::dispatch;
     use crate::intersect::wide::weighted_hills;
     use crate::intersect::{Hit, Query, Root, SurfaceBvh};
     use crate::math::Ray;

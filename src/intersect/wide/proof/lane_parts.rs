@@ -200,9 +200,10 @@ impl LaneParts {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::{Level, dispatch};
+    use fearless_simd::Level;
 
     use super::*;
+    use crate::intersect::kernel::dispatch;
     use crate::math::bits::set_bits;
 
     /// The lanes, middles and half sides of parts whose bit is set.

@@ -338,11 +338,12 @@ const SLOPE_WEIGHTS: [[f32; 16]; 2] = {
 mod tests {
     use std::cell::Cell;
 
-    use fearless_simd::{Level, dispatch, f32x8};
+    use fearless_simd::{Level, f32x8};
     use glam::{DMat2, DVec2};
     use proptest::prelude::*;
 
     use super::*;
+    use crate::intersect::kernel::dispatch;
     use crate::intersect::wide::search::one_ray::Distances;
     use crate::math::testing::same_cases;
 

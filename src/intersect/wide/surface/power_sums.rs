@@ -104,13 +104,13 @@ fn next<S: Simd>(
 mod tests {
     use std::cell::Cell;
 
-    use fearless_simd::dispatch;
     use glam::{DVec2, DVec3, DVec4};
     use proptest::prelude::*;
 
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface};
     use crate::intersect::Kernel;
+    use crate::intersect::kernel::dispatch;
     use crate::intersect::wide::surface::jets;
     use crate::intersect::wide::surface::spline_net::RecentNets;
     use crate::intersect::wide::surface::sums::OneNet;

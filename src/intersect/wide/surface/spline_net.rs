@@ -176,12 +176,12 @@ fn in_all_lanes<S: Simd, const N: usize>(
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::dispatch;
     use glam::{DVec3, DVec4};
 
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface};
     use crate::intersect::Kernel;
+    use crate::intersect::kernel::dispatch;
     use crate::math::bernstein::{self, Basis};
     use crate::patch::PatchSet;
 
