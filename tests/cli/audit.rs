@@ -25,7 +25,7 @@ fn a_row_for_each_class_and_one_for_all() {
     // Every ray, and every doubtful ray, is of one of three kinds, and the shares are of these.
     let (_, summary) = run.stdout.rsplit_once("\ndoubtful: ").unwrap();
     let (summary, of_any) = summary.split_once("\ndoubtful whether anything is hit: ").unwrap();
-    let kinds = ["random", "nasty", "exactly tangent or starting on a surface"];
+    let kinds = ["random or aimed", "nasty", "exactly tangent or starting on a surface"];
     let mut sums = [0, 0];
     for (part, kind) in summary.trim_end().split(", ").zip(kinds) {
         let (doubtful, rest) = part.split_once(" of ").unwrap();

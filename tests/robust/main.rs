@@ -11,6 +11,7 @@
 
 mod bodies;
 mod corners;
+mod creases;
 mod far;
 mod halving;
 mod hard;

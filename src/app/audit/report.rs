@@ -97,7 +97,7 @@ impl Report {
             let DoubtCount { rays, doubtful } = self.doubts(group);
             let share = 100.0 * doubtful as f64 / rays.max(1) as f64;
             let which = match group {
-                Group::Random => "random",
+                Group::Random => "random or aimed",
                 Group::Nasty => "nasty",
                 Group::Apart => "exactly tangent or starting on a surface",
             };
@@ -245,7 +245,7 @@ mod tests {
     fn doubt_is_told_for_each_group() {
         assert_eq!(
             report().verdict(),
-            "doubtful: 0 of 2 random (0.00 %), 0 of 0 nasty (0.00 %), \
+            "doubtful: 0 of 2 random or aimed (0.00 %), 0 of 0 nasty (0.00 %), \
              2 of 2 exactly tangent or starting on a surface (100.00 %)\n\
              doubtful whether anything is hit: 1 of 4\n"
         );

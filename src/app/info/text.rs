@@ -170,7 +170,11 @@ fn borders(fit: &Fit, facts: &Facts) -> String {
     );
     for (surface, error) in &fit.left_out {
         let name = &facts.surfaces[*surface].name;
-        let _ = writeln!(text, "trim edges of {surface} {name} are not among them: {error}");
+        let _ = writeln!(
+            text,
+            "trim edges of {surface} {name} are neither counted nor searched for gaps, for want of \
+             their curves in space: {error}"
+        );
     }
     if fit.gaps.is_empty() {
         let _ = writeln!(

@@ -107,7 +107,9 @@ pub(crate) fn search_exactly(
         }
     }
     if !any {
-        if let Some(z) = from.filter(|_| !is_all && !solutions.iter().any(is_proved)) {
+        if let Some(z) = from.filter(|_| !is_all && !solutions.iter().any(is_proved))
+            && passes_near(&problem, cost_of_box(piece.patch.degree()), findings)
+        {
             doubt = doubt.min(z * ray.t_from_z);
         }
         // The places that stand for a stretch may have been moved out of the ray's range, far from
@@ -117,6 +119,18 @@ pub(crate) fn search_exactly(
     // No part of the leaf is nearer.
     findings.doubt_at(from.map_or(doubt, |z| doubt.max(z * ray.t_from_z)));
     findings.solutions = solutions;
+}
+
+/// Whether the ray may pass the leaf within [`AROUND`] errors. Its control points' hull tells less:
+/// that of a leaf which is next to a line, as beside the crest of a crease, holds all that lies
+/// between the line and its chords.
+fn passes_near(problem: &Problem<'_>, cost_of_box: u64, findings: &mut Findings) -> bool {
+    // The solver discards what is half its error away.
+    let near = Problem { error: 2.0 * AROUND * problem.error, ..*problem };
+    let places = findings.solve(&near, cost_of_box);
+    let any = !places.is_empty();
+    findings.solutions = places;
+    any
 }
 
 /// The problem of finding all roots of a ray on a leaf, as far as `z_limit` along the ray, and
