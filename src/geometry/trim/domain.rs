@@ -100,18 +100,28 @@ impl TrimDomain {
         self.periodic[direction as usize]
     }
 
-    /// The way along a pole between two points no farther than `slack` from it; `None` if there is
-    /// no such pole.
-    pub(super) fn along_pole(&self, ends: [DVec2; 2], slack: DVec2) -> Option<[DVec2; 2]> {
+    /// The way along a pole between two points no farther than `slack` from it, or along two poles
+    /// that share a corner; `None` if there are no such poles.
+    pub(super) fn along_poles(&self, ends: [DVec2; 2], slack: DVec2) -> Option<Vec<DVec2>> {
         let sides = [[0, 0], [0, 1], [1, 0], [1, 1]];
-        let pole = sides.into_iter().find(|&[axis, side]| {
-            let off = |end: &DVec2| (end[axis] - self.range[axis][side]).abs();
-            self.poles[axis][side] && ends.iter().all(|end| off(end) <= slack[axis])
+        let on_poles = ends.map(|end| {
+            sides.map(|[axis, side]| {
+                let at = self.range[axis][side];
+                let is_near = self.poles[axis][side] && (end[axis] - at).abs() <= slack[axis];
+                let mut on_pole = end;
+                on_pole[axis] = at;
+                is_near.then_some(on_pole)
+            })
         });
-        pole.map(|[axis, side]| {
-            let mut way = ends;
-            way.iter_mut().for_each(|end| end[axis] = self.range[axis][side]);
-            way
+        let pairs = |k: usize, other: usize| Some((on_poles[0][k]?, on_poles[1][other]?));
+        let along_one = (0..4).find_map(|k| pairs(k, k)).map(|(from, to)| vec![from, to]);
+        along_one.or_else(|| {
+            // A side of u and one of v.
+            let around_corner = [[0, 2], [0, 3], [1, 2], [1, 3]].into_iter().find_map(|[u, v]| {
+                let both = pairs(u, v).or_else(|| pairs(v, u))?;
+                Some((both, DVec2::new(self.range[0][u], self.range[1][v - 2])))
+            });
+            around_corner.map(|((from, to), corner)| vec![from, corner, to])
         })
     }
 

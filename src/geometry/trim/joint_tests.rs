@@ -2,11 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::tests::{Random, trims};
 use super::{Kept, Side, TrimCurve, TrimDomain, TrimLoop, TrimLoopError, Trims};
-use crate::geometry::{NurbsSurface, TrimmedSurface, shapes};
+use crate::geometry::{KnotVector, NurbsSurface, TrimmedSurface, shapes};
 
 fn points(list: &[(f64, f64)]) -> Vec<DVec2> {
     list.iter().map(|&point| point.into()).collect()
@@ -291,6 +291,32 @@ fn a_gap_along_a_pole_is_none() {
     assert!(TrimLoop::on(&without, &up_and_down(&cone, 0.0)).is_err());
     let upside_down = TrimDomain::with_seams_of(&cone.reversed_v()).unwrap();
     assert!(TrimLoop::on(&upside_down, &up_and_down(&cone, 0.0)).is_err());
+}
+
+/// Where two sides are one point, a loop may go from one of them to the other.
+#[test]
+fn a_gap_around_the_corner_of_two_poles_is_none() {
+    let (o, x, y) = (DVec3::ZERO, DVec3::X, DVec3::Y);
+    let points = vec![o, o, o, o, x, DVec3::ONE, o, y, x + y];
+    let knots = || KnotVector::bezier(2).unwrap();
+    let leaf = NurbsSurface::new(knots(), knots(), points, None).unwrap();
+    let domain = TrimDomain::with_seams_of(&leaf).unwrap();
+    let line = |from, to| TrimCurve::line(DVec2::from(from), DVec2::from(to)).unwrap();
+    let there = [line((0.0, 0.9), (0.8, 0.9)), line((0.8, 0.9), (0.8, 0.0))];
+    let back = [line((0.8, 0.0), (0.8, 0.9)), line((0.8, 0.9), (0.0, 0.9))];
+    let without = TrimDomain::of(&leaf).unwrap();
+    for curves in [there, back] {
+        assert!(TrimLoop::on(&without, &curves).is_err());
+        let one = TrimLoop::on(&domain, &curves).unwrap();
+        assert_eq!(one.widest_gap(), 0.0);
+        let trims = Trims::new(domain, Kept::Odd, &[one]).unwrap();
+        for inside in [(1e-9, 1e-9), (0.01, 0.89), (0.79, 0.01), (0.4, 0.4)] {
+            assert_eq!(trims.contains(DVec2::from(inside)), Side::Inside, "{inside:?}");
+        }
+        for outside in [(0.81, 0.4), (0.4, 0.91), (0.01, 0.91)] {
+            assert_eq!(trims.contains(DVec2::from(outside)), Side::Outside, "{outside:?}");
+        }
+    }
 }
 
 /// Surfaces run backwards have their poles at the other ends.

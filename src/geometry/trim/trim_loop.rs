@@ -57,8 +57,8 @@ impl TrimLoop {
 
     /// The loop of these curves on a domain: where one of them ends at a pole, the next one may
     /// begin at any other place of it, as these are one point in space. The loop then goes there
-    /// along the pole. (CAD files leave out this edge, which has no length, or end and begin on
-    /// either side of it.)
+    /// along the pole; or along two of them that share a corner. (CAD files leave out this edge,
+    /// which has no length, or end and begin on either side of it.)
     ///
     /// # Errors
     /// As [`TrimLoop::new`].
@@ -96,9 +96,10 @@ impl TrimLoop {
             let slack = tolerance.min(gauge.length(gap) * gauge.size);
             let is_gap = !gap.abs().cmple(gauge.rounding).all(); // also for NaN
             let pole = domain.filter(|_| is_gap);
-            if let Some([from, to]) = pole.and_then(|on| on.along_pole([end, start], slack)) {
+            if let Some(way) = pole.and_then(|on| on.along_poles([end, start], slack)) {
+                let (from, to) = (way[0], way[way.len() - 1]);
                 gap = (from - end).abs().max((to - start).abs());
-                ways.push((this + 1, [end, from, to, start]));
+                ways.push((this + 1, [vec![end], way, vec![start]].concat()));
             } else if !gap.abs().cmple(tolerance).all() {
                 let (curve, next) = (owners[this], owners[next]);
                 return Err(TrimLoopError::Open { curve, next, end, gap, tolerance });
@@ -216,7 +217,7 @@ impl TrimLoop {
         for fold in course.folds() {
             let [at, until] = [fold.t, fold.until].map(|t| size * course.point_at(t).truncate());
             let is_short = ((until - at) / size).abs().max_element() <= LOBE_TOLERANCE;
-            if !is_short && domain.along_pole([at, until], tolerance).is_none() {
+            if !is_short && domain.along_poles([at, until], tolerance).is_none() {
                 return Err(TrimLoopError::Dangling { at, until });
             }
         }
