@@ -2,6 +2,8 @@
 
 use glam::DVec2;
 
+use super::StRect;
+
 /// Which side of a rectangle is collapsed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CollapsedSide {
@@ -36,13 +38,13 @@ impl CollapsedSide {
     }
 
     /// Whether a rectangle within the unit square reaches this side.
-    pub fn is_reached_by(self, rect: &[[f64; 2]; 2]) -> bool {
+    pub fn is_reached_by(self, rect: &StRect) -> bool {
         rect[self.parameter()][self.end()] == self.end() as f64
     }
 
     /// A rectangle, or range of parameters, made to end at this side.
     #[inline(always)]
-    pub(super) fn ended_at_it(self, [s, t]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    pub(super) fn ended_at_it(self, [s, t]: StRect) -> StRect {
         match self {
             Self::S(0) => [[0.0, s[1]], t],
             Self::S(_) => [[s[0], 1.0], t],

@@ -11,7 +11,7 @@ use super::part::PartNet;
 use super::rounded::{Up8, Up16};
 use super::{
     BORDER_REACH, Certificate, CollapsedSide, DyadicRect, FIT_DOMAIN, FitError, LEAF_SLACK,
-    OrientedBox, Part, Piece, ScaledFrame,
+    OrientedBox, Part, Piece, ScaledFrame, StRect,
 };
 use crate::math::{prefetch, rounding};
 
@@ -107,7 +107,7 @@ impl Leaf {
 
     /// The part of the piece's unit square: from and to in `s`, then in `t`.
     #[inline(always)]
-    pub fn rect(&self) -> [[f64; 2]; 2] {
+    pub fn rect(&self) -> StRect {
         self.rect.ranges()
     }
 
@@ -127,7 +127,7 @@ impl Leaf {
     /// The leaf's rectangle with `part` of its sides added on each side, except at a side that is
     /// collapsed to a point.
     #[inline(always)]
-    pub(crate) fn widened(&self, piece: &Piece, part: f64) -> [[f64; 2]; 2] {
+    pub(crate) fn widened(&self, piece: &Piece, part: f64) -> StRect {
         let wider = |[from, to]: [f64; 2]| {
             let more = part * (to - from);
             [from - more, to + more]

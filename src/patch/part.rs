@@ -4,7 +4,7 @@ use glam::{DVec3, DVec4};
 
 use super::bend::{Bend, MOST_HALVINGS};
 use super::tensor::euclidean;
-use super::{BezierNet, CollapsedSide, DyadicRect, LEAF_SLACK, Piece, WIDENING};
+use super::{BezierNet, CollapsedSide, DyadicRect, LEAF_SLACK, Piece, StRect, WIDENING};
 use crate::geometry::trim::{Coverage, Trims};
 use crate::math::{Aabb, bernstein};
 
@@ -165,7 +165,7 @@ impl PartNet {
             if is_cut { [kept[k][0] - more, kept[k][1] + more] } else { old[k] }
         }));
         let new = rect.ranges();
-        let area = |[s, t]: [[f64; 2]; 2]| (s[1] - s[0]) * (t[1] - t[0]);
+        let area = |[s, t]: StRect| (s[1] - s[0]) * (t[1] - t[0]);
         if area(new) > WORTH_CUTTING_DOWN * area(old) {
             return None;
         }
@@ -184,7 +184,7 @@ impl PartNet {
 
     /// The part's rectangle with `part` of its sides added on each side, as far as the piece
     /// goes.
-    fn on_piece(&self, part: f64) -> [[f64; 2]; 2] {
+    fn on_piece(&self, part: f64) -> StRect {
         self.rect.ranges().map(|[from, to]| {
             let more = part * (to - from);
             [(from - more).max(0.0), (to + more).min(1.0)]
@@ -281,7 +281,7 @@ mod tests {
     use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims, UvBox};
     use crate::geometry::{KnotVector, NurbsSurface, TrimmedSurface};
     use crate::math::SplitMix;
-    use crate::patch::PatchSet;
+    use crate::patch::{PatchSet, StRect, holds};
 
     /// The corners of a polygon about the middle of the unit square.
     fn polygon(corners: usize, radius: impl Fn(usize) -> f64, aspect: DVec2) -> Vec<DVec2> {
@@ -332,15 +332,11 @@ mod tests {
             let surface = trimmed(offset, Kept::Odd, &polygons[k]);
             let bounds = surface.trims().bounds();
             let (_, parts) = PatchSet::new(std::slice::from_ref(&surface)).unwrap();
-            let rects: Vec<[[f64; 2]; 2]> =
-                parts.all().iter().map(|part| part.rect.ranges()).collect();
-            let holds = |uv: DVec2, rect: &[[f64; 2]; 2]| {
-                (0..2).all(|k| rect[k][0] <= uv[k] && uv[k] <= rect[k][1])
-            };
+            let rects: Vec<StRect> = parts.all().iter().map(|part| part.rect.ranges()).collect();
             let (mut kept, mut held) = (0, 0);
             for _ in 0..20_000 {
                 let uv = bounds.min + bounds.size() * DVec2::new(random.unit(), random.unit());
-                let is_held = rects.iter().any(|rect| holds(uv - offset, rect));
+                let is_held = rects.iter().any(|&rect| holds(rect, uv - offset));
                 let is_kept = surface.keeps(uv);
                 assert!(is_held || !is_kept, "{uv} of {k} at {offset}");
                 kept += u32::from(is_kept);

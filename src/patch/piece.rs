@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use super::chart_net::ChartNet;
 use super::pole_normal::normal_by_pole;
 use super::tensor::euclidean;
-use super::{CollapsedSide, Jet, TensorPatch};
+use super::{CollapsedSide, Jet, StRect, TensorPatch};
 use crate::geometry::trim::{Side, Trims, UvBox, WindowCurve};
 use crate::geometry::{ChartMap, SurfaceDerivatives};
 use crate::math::bits::has;
@@ -138,16 +138,16 @@ impl Piece {
     }
 
     /// What the trims look like within a rectangle, in box coordinates: see [`Trims::window`].
-    pub(super) fn trim_window(&self, rect: [[f64; 2]; 2]) -> Vec<WindowCurve> {
+    pub(super) fn trim_window(&self, rect: StRect) -> Vec<WindowCurve> {
         let Some(trims) = self.trims() else { return Vec::new() };
         let [min, max] = [0, 1].map(|k| self.chart_uv(DVec2::new(rect[0][k], rect[1][k])));
         trims.window(&UvBox { min, max }, self.uv_rounding())
     }
 
-    /// A rectangle that holds everything that the trims keep of a part of the unit square, both
-    /// given as from and to in `s`, then in `t`; `None` if there are no trims, or if they keep
+    /// A rectangle that holds everything that the trims keep of a part of the unit square;
+    /// `None` if there are no trims, or if they keep
     /// nothing.
-    pub fn kept_part(&self, rect: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
+    pub fn kept_part(&self, rect: StRect) -> Option<StRect> {
         let kept = self.trims()?.kept_within(&self.uv_box(rect))?.grown(self.uv_rounding());
         let domain = self.domain();
         Some([0, 1].map(|k| {
@@ -158,7 +158,7 @@ impl Piece {
 
     /// The box of the chart's parameters over a part of the unit square, grown by their rounding
     /// error.
-    pub(super) fn uv_box(&self, rect: [[f64; 2]; 2]) -> UvBox {
+    pub(super) fn uv_box(&self, rect: StRect) -> UvBox {
         let at = |k: usize| self.chart_uv(DVec2::new(rect[0][k], rect[1][k]));
         UvBox { min: at(0), max: at(1) }.grown(self.uv_rounding())
     }

@@ -1,4 +1,15 @@
-//! Rectangles made by halving the unit square, and by cutting off what trims remove.
+//! Rectangles of a piece's parameters: any, and those made by halving the unit square and by cutting
+//! off what trims remove.
+
+use glam::DVec2;
+
+/// A closed rectangle of a piece's parameters: from and to in `s`, then in `t`.
+pub type StRect = [[f64; 2]; 2];
+
+/// Whether such a rectangle holds a place.
+pub(crate) fn holds(rect: StRect, st: DVec2) -> bool {
+    (0..2).all(|k| rect[k][0] <= st[k] && st[k] <= rect[k][1])
+}
 
 /// A rectangle whose ends are multiples of powers of one half, made from the unit square.
 ///
@@ -44,7 +55,7 @@ impl DyadicRect {
 
     /// A rectangle that holds a part of this one, about the smallest that can be stored, but no
     /// narrower than [`FINEST_CUT`] allows.
-    pub(super) fn cut_down_to(mut self, part: [[f64; 2]; 2]) -> Self {
+    pub(super) fn cut_down_to(mut self, part: StRect) -> Self {
         for (number, [from, to]) in self.0.iter_mut().zip(part) {
             let steps = Steps::of(*number);
             let end = steps.first + steps.count;
@@ -64,7 +75,7 @@ impl DyadicRect {
 
     /// The ends of the range in `s`, then in `t`.
     #[inline]
-    pub(crate) fn ranges(self) -> [[f64; 2]; 2] {
+    pub(crate) fn ranges(self) -> StRect {
         self.0.map(|number| Steps::of(number).range())
     }
 }

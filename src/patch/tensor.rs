@@ -8,7 +8,7 @@ use smallvec::SmallVec;
 use super::chart_net::ChartNet;
 use super::rounded::Up32;
 use super::spline_net::LONGEST_OF_CUBIC;
-use super::{BezierNet, NetRoom, NetSource, PieceNet};
+use super::{BezierNet, NetRoom, NetSource, PieceNet, StRect};
 use crate::geometry::SurfaceDerivatives;
 use crate::math::bernstein::{self, Basis};
 use crate::math::{Aabb, prefetch};
@@ -285,7 +285,7 @@ impl TensorPatch {
     }
 
     /// The vectors across the middle of a rectangle of the unit square, in `s` and in `t`.
-    pub(super) fn chords(&self, [s, t]: [[f64; 2]; 2]) -> [DVec3; 2] {
+    pub(super) fn chords(&self, [s, t]: StRect) -> [DVec3; 2] {
         let (ms, mt) = (0.5 * (s[0] + s[1]), 0.5 * (t[0] + t[1]));
         let at = |s: f64, t: f64| self.point(DVec2::new(s, t));
         [at(s[1], mt) - at(s[0], mt), at(ms, t[1]) - at(ms, t[0])]

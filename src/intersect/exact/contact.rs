@@ -2,24 +2,24 @@
 
 use glam::DVec2;
 
-use super::Rect;
+use crate::patch::StRect;
 
 /// A connected group of boxes that the ray passes within rounding.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Contact {
     /// The smallest rectangle around the group.
-    pub(super) rect: Rect,
+    pub(super) rect: StRect,
     /// The range along the ray.
     pub(super) z: [f64; 2],
     /// The boxes that hold its first and its last place along the ray.
-    pub(super) ends: [Rect; 2],
+    pub(super) ends: [StRect; 2],
     /// Whether every box lies at a side that is collapsed to a point.
     pub(super) collapsed: bool,
 }
 
 impl Contact {
     /// The contact of one box.
-    pub(super) fn new(rect: Rect, z: [f64; 2], collapsed: bool) -> Self {
+    pub(super) fn new(rect: StRect, z: [f64; 2], collapsed: bool) -> Self {
         Self { rect, z, ends: [rect; 2], collapsed }
     }
 

@@ -36,5 +36,4 @@ mod contact;
 mod parameter_box;
 mod solver;
 
-pub(crate) use parameter_box::{Rect, holds};
 pub(super) use solver::{AT_POLE, END, ExactSolver, Problem, Proof, STRETCH, Solution};

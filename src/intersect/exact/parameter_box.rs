@@ -5,14 +5,7 @@ use glam::{DMat2, DVec2, DVec4};
 
 use crate::math::Interval;
 use crate::math::bernstein::{self, Basis};
-
-/// A closed rectangle of parameters: from and to in `s`, then in `t`.
-pub(crate) type Rect = [[f64; 2]; 2];
-
-/// Whether such a rectangle holds a place.
-pub(crate) fn holds(rect: Rect, st: DVec2) -> bool {
-    (0..2).all(|k| rect[k][0] <= st[k] && st[k] <= rect[k][1])
-}
+use crate::patch::StRect;
 
 /// The net of a piece over a rectangle in ray coordinates: `(w x, w y, w z, w)` with `x`
 /// and `y` the distances from the ray's two planes. The ray meets the surface where the
@@ -33,7 +26,7 @@ pub(super) struct Bounds {
 
 impl RayNet {
     /// Becomes the net of `whole` over `rect`, which is given in the domain of `whole`.
-    pub(super) fn restrict_from(&mut self, whole: &Self, rect: Rect) {
+    pub(super) fn restrict_from(&mut self, whole: &Self, rect: StRect) {
         self.degree = whole.degree;
         self.control.clear();
         self.control.extend_from_slice(&whole.control);

@@ -6,10 +6,9 @@ use glam::{DMat2, DVec2};
 
 use super::contact::{self, Contact};
 use super::parameter_box::{Bounds, Preconditioned, RayNet};
-use super::{Rect, holds};
 use crate::math::bernstein::restrict_net;
 use crate::math::{Interval, RayFrame};
-use crate::patch::{CollapsedSide, TensorPatch};
+use crate::patch::{CollapsedSide, StRect, TensorPatch, holds};
 
 /// How many boxes one call may look at before it only searches for the two ends of what is
 /// left. A transversal hit takes 2 to 10, a tangency about a hundred; a ray inside a surface
@@ -71,9 +70,9 @@ pub(crate) struct Problem<'a> {
     /// The piece the leaf belongs to.
     pub patch: &'a TensorPatch,
     /// The rectangle to search, in the piece's parameters: the leaf and at least its slack.
-    pub rect: Rect,
+    pub rect: StRect,
     /// A root is wanted only if it lies in this rectangle, to within its slack.
-    pub wanted: Rect,
+    pub wanted: StRect,
     /// The side at which the rectangle ends in a point.
     pub collapsed: Option<CollapsedSide>,
     /// The ray.
@@ -88,7 +87,7 @@ pub(crate) struct Problem<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Proof {
     /// The only root in this rectangle of parameters.
-    Isolated(Rect),
+    Isolated(StRect),
     /// The ray passes through the point a side is collapsed to.
     Collapsed,
     /// The ray passes the surface within rounding: a tangency, or a near miss; somewhere from `z`
@@ -123,11 +122,11 @@ pub(crate) struct ExactSolver {
     net: RayNet,
     preconditioned: Preconditioned,
     /// Boxes yet to be looked at, in the parameters of `whole`.
-    waiting: Vec<Rect>,
+    waiting: Vec<StRect>,
     contacts: Vec<Contact>,
     isolated: Vec<Solution>,
     /// Boxes that are only searched for the two ends of a stretch.
-    spare: Vec<Rect>,
+    spare: Vec<StRect>,
     queue: Vec<EndBox>,
     /// The largest extent of the leaf.
     size: f64,
@@ -146,7 +145,7 @@ pub(crate) struct ExactSolver {
 /// A box that may hold the end of a stretch.
 #[derive(Clone, Copy, Debug)]
 struct EndBox {
-    rect: Rect,
+    rect: StRect,
     /// Where the box begins along the ray; if the last place is searched for, minus where it ends.
     z: f64,
     /// Whether the box is too short for a division to tell more.
@@ -162,7 +161,7 @@ enum Verdict {
     Contact([f64; 2]),
     /// The box and the ray lie in one plane, to within rounding.
     Inside,
-    Shrunk(Rect),
+    Shrunk(StRect),
     Halved(usize),
 }
 
@@ -221,7 +220,7 @@ impl ExactSolver {
         self.waiting.push([[0.0, 1.0]; 2]);
     }
 
-    fn judge(&mut self, problem: &Problem<'_>, rect: Rect) -> Verdict {
+    fn judge(&mut self, problem: &Problem<'_>, rect: StRect) -> Verdict {
         let error = self.error;
         self.net.restrict_from(&self.whole, rect);
         let bounds = self.net.bounds();
@@ -288,7 +287,7 @@ impl ExactSolver {
     /// image of the box is longest. Near a silhouette the second component is then quadratic,
     /// and tells how far the ray is from touching; around a pole the first is the distance
     /// from the pole.
-    fn turned(&mut self, rect: Rect, bounds: &Bounds, error: f64) -> Verdict {
+    fn turned(&mut self, rect: StRect, bounds: &Bounds, error: f64) -> Verdict {
         let exhausted = rect.map(|[from, to]| to - from <= FINEST);
         let rotation = longest_direction(self.net.mean_jacobian());
         self.preconditioned.assign(&self.net, rotation);
@@ -302,7 +301,7 @@ impl ExactSolver {
             return self.contact(bounds);
         }
 
-        let mut part: Rect = [[0.0, 1.0]; 2];
+        let mut part: StRect = [[0.0, 1.0]; 2];
         for axis in 0..2 {
             for component in 0..2 {
                 let Some([from, to]) = self.preconditioned.clip(component, axis, error) else {
@@ -324,7 +323,7 @@ impl ExactSolver {
     /// the box, and no root could be proved. This happens where the ray is at right angles to the
     /// straight lines of a surface: one clip then determines which line the ray meets, to the last
     /// digit.
-    fn not_too_thin(&self, mut part: Rect, error: f64) -> Rect {
+    fn not_too_thin(&self, mut part: StRect, error: f64) -> StRect {
         let spread = self.net.spread().to_array();
         let image = [0, 1].map(|k| spread[k] * (part[k][1] - part[k][0]));
         for k in 0..2 {
@@ -344,7 +343,7 @@ impl ExactSolver {
     }
 
     /// Whether nothing wanted can lie in the box.
-    fn is_empty(&self, problem: &Problem<'_>, rect: Rect, bounds: &Bounds, error: f64) -> bool {
+    fn is_empty(&self, problem: &Problem<'_>, rect: StRect, bounds: &Bounds, error: f64) -> bool {
         let off_ray = |range: Interval| range.lo > error || range.hi < -error;
         let z_error = problem.error;
         let behind = bounds.z.hi < problem.z_range[0] - z_error;
@@ -366,7 +365,7 @@ impl ExactSolver {
     /// The proved root refined on the surface itself, in the parameters of the problem's
     /// rectangle: the best place that Newton's iteration comes to; `None` when its residual stays
     /// large.
-    fn refined(&self, problem: &Problem<'_>, rect: Rect, start: DVec2) -> Option<DVec2> {
+    fn refined(&self, problem: &Problem<'_>, rect: StRect, start: DVec2) -> Option<DVec2> {
         let sides = DVec2::from_array(problem.rect.map(|[from, to]| to - from));
         let mut x = inner(rect, start);
         let mut best = (f64::INFINITY, x);
@@ -385,7 +384,7 @@ impl ExactSolver {
         (best.0 <= problem.error).then_some(best.1)
     }
 
-    fn root(&self, problem: &Problem<'_>, rect: Rect, x: DVec2) -> Solution {
+    fn root(&self, problem: &Problem<'_>, rect: StRect, x: DVec2) -> Solution {
         let outer = |k: usize| {
             let [from, to] = problem.rect[k];
             rect[k].map(|x| from + x * (to - from))
@@ -393,7 +392,7 @@ impl ExactSolver {
         Solution { st: inner(problem.rect, x), proof: Proof::Isolated([outer(0), outer(1)]) }
     }
 
-    fn at_collapsed_side(&self, problem: &Problem<'_>, rect: Rect) -> bool {
+    fn at_collapsed_side(&self, problem: &Problem<'_>, rect: StRect) -> bool {
         problem.collapsed.is_some_and(|side| side.is_reached_by(&rect))
     }
 }
@@ -415,13 +414,13 @@ fn longest_direction(map: DMat2) -> DMat2 {
 }
 
 /// The place in `rect` of a point given in units of its sides.
-fn inner(rect: Rect, x: DVec2) -> DVec2 {
+fn inner(rect: StRect, x: DVec2) -> DVec2 {
     let at = |[from, to]: [f64; 2], x: f64| from + x * (to - from);
     DVec2::new(at(rect[0], x.x), at(rect[1], x.y))
 }
 
 /// The two halves across an axis, each longer by a part of the whole.
-fn halves(rect: Rect, axis: usize, overlap: f64) -> [Rect; 2] {
+fn halves(rect: StRect, axis: usize, overlap: f64) -> [StRect; 2] {
     let [from, to] = rect[axis];
     let (middle, more) = (0.5 * (from + to), overlap * (to - from));
     let mut parts = [rect; 2];
@@ -432,7 +431,7 @@ fn halves(rect: Rect, axis: usize, overlap: f64) -> [Rect; 2] {
 
 /// The box cut down to `part` of its sides if that is worthwhile, else its halves across the
 /// longer side that can still be halved.
-fn next_box(rect: Rect, part: Rect, exhausted: [bool; 2], longer: usize) -> Verdict {
+fn next_box(rect: StRect, part: StRect, exhausted: [bool; 2], longer: usize) -> Verdict {
     let worthwhile = (0..2).any(|k| !exhausted[k] && part[k][1] - part[k][0] < WORTHWHILE);
     if !worthwhile {
         return Verdict::Halved(if exhausted[longer] { 1 - longer } else { longer });

@@ -13,10 +13,10 @@ use super::question::{PlacedLeaf, Question};
 use super::spot::Spot;
 use super::trim_side::trim_side;
 use crate::geometry::trim::Side;
-use crate::intersect::exact::{AT_POLE, END, Proof, STRETCH, Solution, holds};
+use crate::intersect::exact::{AT_POLE, END, Proof, STRETCH, Solution};
 use crate::intersect::{HitFlags, Root};
 use crate::math::{RayFrame, rounding};
-use crate::patch::{Jet, LEAF_SLACK, Leaf, Piece};
+use crate::patch::{Jet, LEAF_SLACK, Leaf, Piece, holds};
 
 /// Why a solution is no meeting.
 pub(crate) enum Dropped {

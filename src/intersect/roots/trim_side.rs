@@ -5,8 +5,7 @@ use glam::DVec2;
 use super::borders::trim_reach;
 use super::grazing::KnownRoot;
 use crate::geometry::trim::Side;
-use crate::intersect::exact::holds;
-use crate::patch::{Jet, Leaf, Piece, WIDENING};
+use crate::patch::{Jet, Leaf, Piece, WIDENING, holds};
 
 /// The side of its surface's trims on which a root of a leaf lies.
 pub(crate) fn trim_side(

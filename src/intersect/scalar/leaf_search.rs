@@ -5,12 +5,12 @@ use glam::DVec2;
 use super::findings::Findings;
 use super::hull::Hull;
 use super::newton::{Grounds, Newton, newton};
-use crate::intersect::exact::{Problem, Proof, Rect, Solution, holds};
+use crate::intersect::exact::{Problem, Proof, Solution};
 use crate::intersect::roots::accept::{AROUND, Dropped, accept};
 use crate::intersect::roots::borders::on_piece;
 use crate::intersect::roots::question::{PlacedLeaf, Question};
 use crate::math::RayFrame;
-use crate::patch::{CollapsedSide, LEAF_SLACK, Leaf, Passage, Piece, WIDENING};
+use crate::patch::{CollapsedSide, LEAF_SLACK, Leaf, Passage, Piece, StRect, WIDENING, holds};
 
 /// Searches a leaf the fast way: by Newton where the leaf's certificate holds, else by the exact
 /// solver.
@@ -188,7 +188,7 @@ fn cost_of_box([p, q]: [usize; 2]) -> u64 {
 ///
 /// Far from the origin that may be more than the slack, or even than the leaf; as
 /// [`FARTHEST_BEYOND`] limits it, roots that count may lie farther out.
-fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (Rect, bool) {
+fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (StRect, bool) {
     let mut rect = leaf.widened(piece, LEAF_SLACK);
     let sides = leaf.rect();
     let middle = DVec2::from_array(sides.map(|[from, to]| 0.5 * (from + to)));

@@ -2,9 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::intersect::exact::Rect;
 use crate::math::{RayFrame, rounding};
-use crate::patch::{CLEAR, Jet, SURELY, TensorPatch};
+use crate::patch::{CLEAR, Jet, SURELY, StRect, TensorPatch};
 
 /// The most steps: from a flat leaf's middle plane three are usual, since the number of
 /// correct digits doubles; what needs more steps than this is left to the exact solver.
@@ -33,9 +32,9 @@ pub(super) enum Newton {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grounds {
     /// The rectangle on which there is at most one root.
-    pub(super) domain: Rect,
+    pub(super) domain: StRect,
     /// The part of it that roots are wanted in: the leaf with its slack.
-    pub(super) wanted: Rect,
+    pub(super) wanted: StRect,
     /// Unit vectors along the leaf's tangents and its normal, and how far the tangents bend: see
     /// [`Certificate`](crate::patch::Certificate).
     pub(super) axes: [DVec3; 3],

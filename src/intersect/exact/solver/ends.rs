@@ -5,9 +5,9 @@ use glam::{DMat2, DVec2};
 use super::{
     AT_POLE, END, END_BUDGET, EndBox, ExactSolver, FINEST, Problem, Proof, STRETCH, Solution,
 };
-use super::{halves, holds, inner, linearised};
-use crate::intersect::exact::Rect;
+use super::{halves, inner, linearised};
 use crate::intersect::exact::contact::{self, Contact};
+use crate::patch::{StRect, holds};
 
 impl ExactSolver {
     /// Adds one contact that stands for all the spare boxes: from the first to the last place in
@@ -64,7 +64,7 @@ impl ExactSolver {
     /// The direction across which to halve the box just looked at in the search for an end. At a
     /// collapsed side it is the one that leads away from the side: halves across the other
     /// direction would both contain the pole.
-    fn end_axis(&self, problem: &Problem<'_>, rect: Rect, exhausted: [bool; 2]) -> usize {
+    fn end_axis(&self, problem: &Problem<'_>, rect: StRect, exhausted: [bool; 2]) -> usize {
         let spread = self.net.spread();
         let wanted = match problem.collapsed.filter(|_| self.at_collapsed_side(problem, rect)) {
             Some(side) => side.parameter(),
@@ -73,7 +73,13 @@ impl ExactSolver {
         if exhausted[wanted] { 1 - wanted } else { wanted }
     }
 
-    fn consider(&mut self, problem: &Problem<'_>, rect: Rect, sign: f64, queue: &mut Vec<EndBox>) {
+    fn consider(
+        &mut self,
+        problem: &Problem<'_>,
+        rect: StRect,
+        sign: f64,
+        queue: &mut Vec<EndBox>,
+    ) {
         self.net.restrict_from(&self.whole, rect);
         let bounds = self.net.bounds();
         if self.is_empty(problem, rect, &bounds, self.error) {

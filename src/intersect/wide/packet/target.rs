@@ -12,7 +12,7 @@ use crate::intersect::wide::surface::jets::jets;
 use crate::intersect::wide::surface::sums::{Jets, OneNet};
 use crate::intersect::wide::vectors::dot_d;
 use crate::intersect::wide::view::{BvhView, Fitted};
-use crate::patch::{BESIDE_COLLAPSED, CLEAR, Leaf, OrientedBox, Piece, SURELY, WIDENING};
+use crate::patch::{BESIDE_COLLAPSED, CLEAR, Leaf, OrientedBox, Piece, SURELY, StRect, WIDENING};
 
 /// A leaf, its piece, and which leaf it is.
 #[derive(Clone, Copy)]
@@ -22,9 +22,9 @@ pub(crate) struct Target<'a> {
     pub(super) index: u32,
     pub(super) view: &'a BvhView<'a>,
     pub oriented: &'a OrientedBox,
-    rect: [[f64; 2]; 2],
+    rect: StRect,
     /// Where the leaf's certificate holds.
-    domain: [[f64; 2]; 2],
+    domain: StRect,
     /// The pole that the leaf ends in, if it does.
     pub pole: Option<DVec3>,
 }
