@@ -63,7 +63,7 @@ impl LimitSurface {
         (index, (at - DVec2::from_array(low)) / DVec2::from_array(size))
     }
 
-    /// The point at (u, v).
+    /// The point at (u, v). Off the domain, some patch is continued there.
     pub fn point_at(&self, uv: DVec2) -> DVec3 {
         let (patch, st) = self.find(uv);
         let n = self.degree;

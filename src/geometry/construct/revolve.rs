@@ -29,7 +29,7 @@ fn turned(point: DVec3, weight: f64, axis: &Axis) -> Turned {
 ///
 /// `u` in `[0, 1]` runs around, counterclockwise as seen from the tip of the axis (clockwise for a
 /// negative angle), `v` along the profile on its own domain. Where the profile rises along the
-/// axis, `Sᵤ × Sᵥ` points away from the axis. A full turn closes bit for bit, and points on the
+/// axis, `Sᵤ × Sᵥ` points away from the axis (towards it for a negative angle). A full turn closes bit for bit, and points on the
 /// axis (within rounding) become an exactly collapsed edge. A profile may cross the axis: the
 /// surface then meets itself there, and beyond that place its normals point inward. Where the
 /// profile crosses or touches the axis between control points, knots are inserted, so that no patch

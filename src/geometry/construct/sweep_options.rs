@@ -11,7 +11,7 @@ pub struct SweepOptions {
     /// or y where the path begins steeply.
     pub up: Option<DVec3>,
     /// The angle in degrees by which the profile turns about the path, evenly in the path's
-    /// parameter.
+    /// parameter; counterclockwise as seen by one whom the path comes towards.
     pub twist: f64,
     /// The profile's size along the path: the coefficients of a Bézier polynomial over the path's
     /// domain, at most [`MAX_SCALES`] of them. `[1]` keeps the size, `[1, 0]` shrinks the profile

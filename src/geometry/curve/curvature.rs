@@ -3,6 +3,7 @@
 use glam::{DVec3, DVec4, Vec4Swizzles};
 
 use super::{CurveDerivatives, NurbsCurve};
+use crate::math::rounding::power_of_two_below;
 
 /// The rounding error of derivatives (from the control points, the basis and the sums), relative to
 /// the sizes of the terms.
@@ -23,20 +24,20 @@ impl NurbsCurve {
         let weight = sizes[0].w;
         let weight_slope: f64 =
             active.iter().zip(basis.orders[1]).map(|(point, value)| value * point.w).sum();
-        let of_terms = |sizes: DVec4, at: DVec3| sizes.xyz().length() + sizes.w * at.length();
+        let of_terms = |sizes: DVec4, at: DVec3| length(sizes.xyz()) + sizes.w * length(at);
         let first_error = of_terms(sizes[1], point) / weight;
-        let by_weights = 2.0 * (sizes[1].w * first.length() + weight_slope.abs() * first_error);
+        let by_weights = 2.0 * (sizes[1].w * length(first) + weight_slope.abs() * first_error);
         let second_error = (of_terms(sizes[2], point) + by_weights) / weight;
-        let speed = first.length();
-        ROUNDING_OF_TERMS * (second_error + second.length() / speed * first_error) / speed / speed
+        let speed = length(first);
+        ROUNDING_OF_TERMS * (second_error + length(second) / speed * first_error) / speed / speed
     }
 }
 
 impl CurveDerivatives {
     /// The curvature `κ = |C′ × C″| / |C′|³`, in one over length; 0 where the curve is straight.
     ///
-    /// `None` where the curve stands still, `C′ = 0`. The code divides by one length at a time, so
-    /// that models of any size are measured alike.
+    /// `None` where the curve stands still, `C′ = 0`. Curves of any size over domains of any length
+    /// are measured alike.
     pub fn curvature(&self) -> Option<f64> {
         self.curvature_vector().map(DVec3::length)
     }
@@ -46,9 +47,12 @@ impl CurveDerivatives {
     ///
     /// `None` where the curve stands still.
     pub fn curvature_vector(&self) -> Option<DVec3> {
-        let speed = self.first.length();
-        let along = self.first / speed;
-        let turning = self.second / speed;
+        // Over a parameter in which the speed is about 1: no square overflows.
+        let scale = power_of_two_below(self.first.abs().max_element());
+        let (first, second) = (self.first / scale, self.second / scale / scale);
+        let speed = first.length();
+        let along = first / speed;
+        let turning = second / speed;
         let vector = (turning - turning.dot(along) * along) / speed;
         vector.is_finite().then_some(vector)
     }
@@ -59,6 +63,12 @@ impl CurveDerivatives {
         let centre = self.point + vector / vector.length() / vector.length();
         centre.is_finite().then_some(centre)
     }
+}
+
+/// The length of a vector, also where its square is beyond f64.
+fn length(vector: DVec3) -> f64 {
+    let scale = power_of_two_below(vector.abs().max_element());
+    scale * (vector / scale).length()
 }
 
 #[cfg(test)]
@@ -81,6 +91,20 @@ mod tests {
             for k in 0..=40 {
                 let curvature = curve.derivatives(f64::from(k) / 40.0).curvature().unwrap();
                 assert!((curvature - 1.0).abs() < 1e-13, "{k}: {curvature}");
+            }
+        }
+    }
+
+    #[test]
+    fn circles_of_any_size_over_domains_of_any_length() {
+        for (radius, length) in [(1e60, 1e-95), (1e60, 1e-100), (1e-60, 1e100), (1e-3, 1e150)] {
+            let arc = circle_arc(radius, 10.0, 350.0).unwrap().on_domain(0.0, length).unwrap();
+            for k in 0..=10 {
+                let t = length * (f64::from(k) / 10.0);
+                let curvature = arc.derivatives(t).curvature().unwrap();
+                assert!((curvature * radius - 1.0).abs() < 1e-13, "{radius:e} {length:e}");
+                let error = arc.curvature_error(t) * radius;
+                assert!((1e-16..1e-12).contains(&error), "{radius:e} {length:e}: {error:e}");
             }
         }
     }

@@ -32,8 +32,7 @@ pub enum CurveError {
         /// The number of control points.
         points: usize,
     },
-    /// A coordinate of a control point is NaN, infinite, or beyond [`MAX_MAGNITUDE`], or its
-    /// product with the point's weight is infinite.
+    /// A coordinate of a control point is NaN, infinite, or beyond [`MAX_MAGNITUDE`].
     #[error(
         "control point {index} is {}: coordinates must be finite (up to {MAX_MAGNITUDE:e})",
         ShownVector(*.point)
@@ -44,8 +43,12 @@ pub enum CurveError {
         /// Its coordinates.
         point: DVec3,
     },
-    /// A weight is not a positive, finite number.
-    #[error("the weight of control point {index} is {}: it must be positive and finite", Shown(*weight))]
+    /// A weight is not a number from [`MIN_MAGNITUDE`] to [`MAX_MAGNITUDE`].
+    #[error(
+        "the weight of control point {index} is {}: \
+         it must be positive and finite (from {MIN_MAGNITUDE:e} to {MAX_MAGNITUDE:e})",
+        Shown(*weight)
+    )]
     Weight {
         /// Which control point, counted from 0.
         index: usize,
@@ -115,8 +118,13 @@ pub enum CurveError {
         /// The turn, in degrees.
         degrees: f64,
     },
-    /// A weight of a basis function is negative or not finite.
-    #[error("the weight of control point {index} is {}: it must be finite, and not negative", Shown(*.weight))]
+    /// A weight of a basis function is neither 0 nor a number from [`MIN_MAGNITUDE`] to
+    /// [`MAX_MAGNITUDE`].
+    #[error(
+        "the weight of control point {index} is {}: it must be finite, and not negative \
+         (0, or from {MIN_MAGNITUDE:e} to {MAX_MAGNITUDE:e})",
+        Shown(*.weight)
+    )]
     BasisWeight {
         /// Which control point, counted from 0.
         index: usize,

@@ -8,6 +8,7 @@ mod error;
 mod extremes;
 mod matrix_form;
 mod nurbs_curve;
+mod quotient;
 mod rational_basis;
 #[cfg(test)]
 mod tests;

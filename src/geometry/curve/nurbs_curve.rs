@@ -2,9 +2,9 @@
 
 use glam::{DVec3, DVec4, Vec4Swizzles};
 
-use super::CurveError;
+use super::{CurveError, quotient};
 use crate::geometry::knots::{MAX_DEGREE, on_span};
-use crate::geometry::magnitude::is_usable;
+use crate::geometry::magnitude::{MAX_MAGNITUDE, MIN_MAGNITUDE, is_usable};
 use crate::geometry::polygon::elevate;
 use crate::geometry::polygon::{merged, mix_by, refine, restrict, shares};
 use crate::geometry::{KnotError, KnotVector};
@@ -14,8 +14,8 @@ use crate::geometry::{KnotError, KnotVector};
 ///
 /// # Invariants, checked once on construction
 /// - there are as many control points as the knots ask for;
-/// - no coordinate is larger than [`MAX_MAGNITUDE`](crate::geometry::MAX_MAGNITUDE), all weights
-///   are positive, finite and not subnormal.
+/// - no coordinate is larger than [`MAX_MAGNITUDE`], all weights are positive, from
+///   [`MIN_MAGNITUDE`] to [`MAX_MAGNITUDE`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct NurbsCurve {
     knots: KnotVector,
@@ -67,12 +67,12 @@ impl NurbsCurve {
         }
         for (index, point) in control.iter().enumerate() {
             let weight = point.w;
-            let usable = weight.is_normal() && weight > 0.0;
+            let usable = (MIN_MAGNITUDE..=MAX_MAGNITUDE).contains(&weight); // false for NaN
             if !usable {
                 return Err(CurveError::Weight { index, weight });
             }
             let euclidean = point.xyz() / weight;
-            if !point.is_finite() || !is_usable(euclidean) {
+            if !is_usable(euclidean) {
                 return Err(CurveError::Point { index, point: euclidean });
             }
         }
@@ -186,30 +186,25 @@ impl NurbsCurve {
         CurveDerivatives { point, first, second }
     }
 
-    /// Derivative `order` of the curve at `t`; order 0 is the point. With the homogeneous curve
-    /// `(A, w)`, from `w C = A` by the product rule:
+    /// Derivative `order` of the curve at `t`; order 0 is the point. At inner knots it belongs to
+    /// the piece that begins there.
     ///
-    /// `C⁽ᵏ⁾ = (A⁽ᵏ⁾ − Σⱼ (k over j) w⁽ʲ⁾ C⁽ᵏ⁻ʲ⁾) / w`, j from 1 to k
-    ///
-    /// (Piegl & Tiller 1997, eq. 4.8). At inner knots it belongs to the piece that begins there.
+    /// It is not finite where a derivative up to this order is beyond f64. The time grows with the
+    /// order and the degree.
     pub fn derivative(&self, order: usize, t: f64) -> DVec3 {
         let (p, span) = (self.knots.degree(), self.knots.span(t));
+        let active = &self.control[span - p..=span];
+        let is_polynomial = active.iter().all(|point| point.w == active[0].w);
         let homogeneous = |order: usize| -> DVec4 {
             let value = |i| on_span((p, self.knots.values()), (i, order), (span, t));
             (span - p..=span).map(|i| value(i) * self.control[i]).sum()
         };
-        let parts: Vec<DVec4> = (0..=order).map(homogeneous).collect();
-        let mut found: Vec<DVec3> = Vec::with_capacity(order + 1);
-        for k in 0..=order {
-            let mut rest = parts[k].xyz();
-            let mut choose = 1.0;
-            for j in 1..=k {
-                choose *= (k - j + 1) as f64 / j as f64;
-                rest -= choose * parts[j].w * found[k - j];
-            }
-            found.push(rest / parts[0].w);
+        let (points, mut weights): (Vec<DVec3>, Vec<f64>) =
+            (0..=p).map(homogeneous).map(|part| (part.xyz(), part.w)).unzip();
+        if is_polynomial {
+            weights[1..].fill(0.0); // not what rounding leaves
         }
-        found[order]
+        quotient::derivative(order, &points, &weights)
     }
 
     /// The same curve with the knot `t` inserted `times` times.

@@ -2,6 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::math::rounding::power_of_two_below;
+
 /// A point of a surface with its first and second partial derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceDerivatives {
@@ -66,10 +68,11 @@ impl SurfaceDerivatives {
     ///
     /// `None` where no limit is found: within the domain, at the tip of a cusp, for NaN.
     pub fn unit_normal(&self, inward: DVec2) -> Option<DVec3> {
-        if let Some(normal) = self.regular_normal() {
+        let scaled = self.scaled();
+        if let Some(normal) = scaled.regular_normal() {
             return Some(normal);
         }
-        let Self { point, du, dv, duu, duv, dvv } = *self;
+        let Self { point, du, dv, duu, duv, dvv } = scaled;
         let [lu, lv, luu, luv, lvv] = [du, dv, duu, duv, dvv].map(DVec3::length);
         let noise = ROUNDING * point.abs().max_element();
 
@@ -93,6 +96,24 @@ impl SurfaceDerivatives {
             (turn_u.cross(dv) + du.cross(turn_v), size)
         };
         if product.length() > CLEAR * size { normalized(product) } else { None }
+    }
+
+    /// The same surface over parameters in which no derivative is much longer than 1, so that no
+    /// product overflows. The parameters are scaled by powers of two, which is exact.
+    fn scaled(&self) -> Self {
+        let Self { point, du, dv, duu, duv, dvv } = *self;
+        let size = |v: DVec3| v.abs().max_element();
+        let turn = size(duv).sqrt();
+        let a = power_of_two_below(size(du).max(size(duu).sqrt()).max(turn)).recip();
+        let b = power_of_two_below(size(dv).max(size(dvv).sqrt()).max(turn)).recip();
+        Self {
+            point,
+            du: a * du,
+            dv: b * dv,
+            duu: a * (a * duu),
+            duv: a * (b * duv),
+            dvv: b * (b * dvv),
+        }
     }
 
     /// The direction of `N₀` (see [`SurfaceDerivatives::unit_normal`]), if the sine of the angle

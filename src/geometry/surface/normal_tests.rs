@@ -178,6 +178,27 @@ fn second_derivatives_decide_where_both_first_ones_vanish() {
     }
 }
 
+/// Derivatives as long as allowed sizes and domains make them, whose squares f64 does not hold.
+#[test]
+fn no_length_is_too_long() {
+    let knots = || [2, 1].map(|degree| KnotVector::bezier(degree).unwrap());
+    for (size, length) in [(1.0, 1.0), (1e15, 1e-70), (1e60, 1e-50), (1e69, 1e-45), (1e-60, 1e70)] {
+        let row = |x: f64| [0.0, 1.0].map(|y| size * DVec3::new(x, y, 0.0));
+        let points = [0.0, 1.0, 1.2].into_iter().flat_map(row).collect();
+        let [knots_u, knots_v] = knots();
+        let flat = NurbsSurface::new(knots_u, knots_v, points, None).unwrap();
+        let flat = flat.on_domain([(0.0, length), (0.0, 1.0)]).unwrap();
+        for u in [0.0, 0.5 * length, length] {
+            assert_eq!(flat.normal(u, 0.4), Some(DVec3::Z), "{size:e} {length:e} {u:e}");
+        }
+    }
+    let heavy = Some(vec![1e-61, 1e-61, 1e60, 1e60]);
+    let points = vec![DVec3::ZERO, DVec3::Y, DVec3::X, DVec3::new(1.0, 1.0, 0.0)];
+    let linear = || KnotVector::bezier(1).unwrap();
+    let quick = NurbsSurface::new(linear(), linear(), points, heavy).unwrap();
+    assert_eq!(quick.normal(0.0, 0.4), Some(DVec3::Z));
+}
+
 #[test]
 fn no_limit_is_no_normal() {
     let sphere = shapes::sphere(1.0).unwrap();

@@ -23,6 +23,9 @@ pub struct TrimmedSurface {
 impl TrimmedSurface {
     /// A surface with its trims, whose domain [`TrimDomain::with_seams_of`] makes.
     ///
+    /// On one without seams, made by [`TrimDomain::of`], a loop that crosses a seam of the surface
+    /// ends there: of a hole over the seam, one side is cut out.
+    ///
     /// # Errors
     /// When the trims are made for another domain.
     pub fn new(surface: NurbsSurface, trims: impl Into<Arc<Trims>>) -> Result<Self, TrimError> {

@@ -22,7 +22,10 @@ impl Tracer<'_> {
     /// each other.
     pub fn occluded_between(&mut self, from: &Hit, to: &Hit) -> Occlusion {
         let way = to.point - from.point;
-        let Ok(ray) = Ray::new(from.point, way) else { return Occlusion::default() };
+        let Ok(ray) = Ray::new(from.point, way) else {
+            // The same point; or hits that no tracer has made.
+            return Occlusion { occluded: false, doubtful: !way.is_finite() };
+        };
         let answer = self.first_hit(&Query::leaving(ray, from));
         let Some(met) = answer.hit.filter(|hit| hit.t < 1.0) else {
             return Occlusion { occluded: false, doubtful: answer.doubtful };
