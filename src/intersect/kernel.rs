@@ -8,8 +8,8 @@ use thiserror::Error;
 
 /// Runs code that is generic over `Simd` with the instructions of a level some [`Kernel`] uses.
 ///
-/// That of `fearless_simd` would compile all kernels for SSE4.2 as well, which none uses: a third
-/// more code, and more time to build it.
+/// That of `fearless_simd` would compile them for SSE4.2 as well, which no kernel uses: that was a
+/// third of the kernels' code.
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 macro_rules! dispatch {
     (@with $token:ident, $simd:pat => $code:expr) => {{
