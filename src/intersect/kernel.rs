@@ -8,9 +8,9 @@ use thiserror::Error;
 
 /// Runs code that is generic over `Simd` with the instructions of a level some [`Kernel`] uses.
 ///
-/// That of `fearless_simd` would compile them for SSE4.2 as well, which no kernel uses: that was a
-/// third of the kernels' code.
-#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+/// That of `fearless_simd` would compile them for SSE4.2 as well, which no kernel asks for: that
+/// was a third of the kernels' code.
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr"))]
 macro_rules! dispatch {
     (@with $token:ident, $simd:pat => $code:expr) => {{
         let $simd = $token;
@@ -26,14 +26,14 @@ macro_rules! dispatch {
             fearless_simd::Level::Avx2(token) => dispatch!(@with token, $simd => $code),
             weaker => match weaker.as_sse2() {
                 Some(token) => dispatch!(@with token, $simd => $code),
-                None => unreachable!("compiled for processors that have SSE2"),
+                None => unreachable!("compiled for processors with SSE2"),
             },
         }
     };
 }
-#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr"))]
 pub(super) use dispatch;
-#[cfg(not(all(target_arch = "x86_64", target_feature = "sse2")))]
+#[cfg(not(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr")))]
 pub(super) use fearless_simd::dispatch;
 
 /// Which code searches for hits. All give the same answers, to the stated accuracy; one kernel

@@ -144,9 +144,8 @@ impl Piece {
         trims.window(&UvBox { min, max }, self.uv_rounding())
     }
 
-    /// A rectangle that holds everything that the trims keep of a part of the unit square;
-    /// `None` if there are no trims, or if they keep
-    /// nothing.
+    /// A rectangle that holds everything that the trims keep of a part of the unit square; `None`
+    /// if there are no trims, or if they keep nothing.
     pub fn kept_part(&self, rect: StRect) -> Option<StRect> {
         let kept = self.trims()?.kept_within(&self.uv_box(rect))?.grown(self.uv_rounding());
         let domain = self.domain();

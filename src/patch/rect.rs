@@ -1,5 +1,5 @@
-//! Rectangles of a piece's parameters: any, and those made by halving the unit square and by cutting
-//! off what trims remove.
+//! Rectangles of a piece's parameters: any, and those made by halving the unit square and by
+//! cutting off what trims remove.
 
 use glam::DVec2;
 

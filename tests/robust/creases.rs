@@ -1,13 +1,13 @@
 //! Creases made by a row of control points repeated as often as the degree: across them the
 //! surface stands still, though it goes on.
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use nurbray::geometry::{KnotVector, NurbsSurface};
 use nurbray::intersect::{Query, SurfaceBvh};
 use nurbray::math::Ray;
 
 use crate::random::Random;
-use crate::ways::{all_ways, kernels};
+use crate::ways::{all_ways, assert_met_or_doubted, kernels};
 
 /// A roof along y whose ridge, at x = 0, is a parabola: `y = 3 v`, and there the height is
 /// `1 + (y − 1.5)² / 5`. At x it is at most the `1 − |x| / 2`th part as high.
@@ -61,5 +61,29 @@ fn rays_over_a_ridge_miss_and_rays_under_it_hit() {
                 assert!(!answer.doubtful || is_close(above), "{kernel}: {above:e}");
             }
         }
+    }
+}
+
+/// Rays from near and far to places of the roof, many of them next to the ridge or on borders: none
+/// is a certain miss. Rounding of the rays is far less than what a border may be off by.
+#[test]
+fn no_place_of_a_roof_is_missed() {
+    let mut random = Random::new(49);
+    for size in [1.0, 1e-9] {
+        let size_map = DAffine3::from_scale(DVec3::splat(size));
+        let roof = roof().transformed(&(DAffine3::from_translation(DVec3::ONE) * size_map));
+        let roof = roof.unwrap();
+        let mut aimed = |k: usize| {
+            let beside = random.power_of_ten(-9.0, 0.0) * random.sign();
+            let u = [2.0 + beside, random.between(0.0, 4.0), 4.0][k % 3];
+            let v = [random.unit(), 1.0][k % 2];
+            let distance = size * random.power_of_ten(0.0, 3.0);
+            let back = distance * random.direction();
+            let point = roof.point_at(u, v);
+            Query::primary(Ray::new(point + back, -back).unwrap())
+        };
+        let queries: Vec<_> = (0..600).map(&mut aimed).collect();
+        let bvh = SurfaceBvh::build(std::slice::from_ref(&roof)).unwrap();
+        assert_met_or_doubted(&format!("a roof of size {size:e}"), &bvh, &queries);
     }
 }

@@ -30,12 +30,12 @@ fn turned(point: DVec3, weight: f64, axis: &Axis) -> Turned {
 /// `u` in `[0, 1]` runs around, counterclockwise as seen from the tip of the axis (clockwise for a
 /// negative angle), `v` along the profile on its own domain. Where the profile rises along the
 /// axis, `Sᵤ × Sᵥ` points away from the axis (towards it for a negative angle). A full turn closes
-/// bit for bit, and points on the axis (within rounding) become an exactly collapsed edge. A profile
-/// may cross the axis: the surface then meets itself there, and beyond that place its normals point
-/// inward. Where the profile crosses or touches the axis between control points, knots are inserted,
-/// so that no patch has such a place in its interior. But no part of the profile may be taken to
-/// where another part has been: a full circle turned about its own diameter makes a sphere with
-/// 180°, and covers it twice with 360°.
+/// bit for bit, and points on the axis (within rounding) become an exactly collapsed edge. A
+/// profile may cross the axis: the surface then meets itself there, and beyond that place its
+/// normals point inward. Where the profile crosses or touches the axis between control points,
+/// knots are inserted, so that no patch has such a place in its interior. But no part of the
+/// profile may be taken to where another part has been: a full circle turned about its own diameter
+/// makes a sphere with 180°, and covers it twice with 360°.
 ///
 /// The arcs have degree 2 and at most 90° each (Piegl & Tiller 1997, A8.1).
 ///

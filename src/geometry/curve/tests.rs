@@ -182,7 +182,8 @@ fn errors_tell_what_is_needed() {
     );
     assert_eq!(
         message(&points, Some(&[1.0, 1.0, 1e300])),
-        "the weight of control point 2 is 1e300: it must be positive and finite (from 1e-70 to 1e70)"
+        "the weight of control point 2 is 1e300: \
+         it must be positive and finite (from 1e-70 to 1e70)"
     );
     assert_eq!(
         message(&[DVec3::ZERO, DVec3::X, DVec3::NAN], None),

@@ -300,21 +300,36 @@ fn a_gap_around_the_corner_of_two_poles_is_none() {
     let points = vec![o, o, o, o, x, DVec3::ONE, o, y, x + y];
     let knots = || KnotVector::bezier(2).unwrap();
     let leaf = NurbsSurface::new(knots(), knots(), points, None).unwrap();
-    let domain = TrimDomain::with_seams_of(&leaf).unwrap();
-    let line = |from, to| TrimCurve::line(DVec2::from(from), DVec2::from(to)).unwrap();
+    let (reversed_u, reversed_v) = (leaf.reversed_u(), leaf.reversed_v());
+    let corners = [
+        (leaf.clone(), DVec2::ZERO),
+        (reversed_u.clone(), DVec2::X),
+        (reversed_v, DVec2::Y),
+        (reversed_u.reversed_v(), DVec2::ONE),
+    ];
+    for (leaf, corner) in corners {
+        two_poles_at(&leaf, corner);
+    }
+}
+
+/// Curves around a corner of the unit square, whose two sides are one point.
+fn two_poles_at(leaf: &NurbsSurface, corner: DVec2) {
+    let domain = TrimDomain::with_seams_of(leaf).unwrap();
+    let at = |(u, v): (f64, f64)| (corner - DVec2::new(u, v)).abs();
+    let line = |from, to| TrimCurve::line(at(from), at(to)).unwrap();
     let there = [line((0.0, 0.9), (0.8, 0.9)), line((0.8, 0.9), (0.8, 0.0))];
     let back = [line((0.8, 0.0), (0.8, 0.9)), line((0.8, 0.9), (0.0, 0.9))];
-    let without = TrimDomain::of(&leaf).unwrap();
+    let without = TrimDomain::of(leaf).unwrap();
     for curves in [there, back] {
         assert!(TrimLoop::on(&without, &curves).is_err());
         let one = TrimLoop::on(&domain, &curves).unwrap();
         assert_eq!(one.widest_gap(), 0.0);
         let trims = Trims::new(domain, Kept::Odd, &[one]).unwrap();
         for inside in [(1e-9, 1e-9), (0.01, 0.89), (0.79, 0.01), (0.4, 0.4)] {
-            assert_eq!(trims.contains(DVec2::from(inside)), Side::Inside, "{inside:?}");
+            assert_eq!(trims.contains(at(inside)), Side::Inside, "{inside:?} at {corner}");
         }
         for outside in [(0.81, 0.4), (0.4, 0.91), (0.01, 0.91)] {
-            assert_eq!(trims.contains(DVec2::from(outside)), Side::Outside, "{outside:?}");
+            assert_eq!(trims.contains(at(outside)), Side::Outside, "{outside:?} at {corner}");
         }
     }
 }

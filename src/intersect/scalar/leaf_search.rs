@@ -107,9 +107,11 @@ pub(crate) fn search_exactly(
         }
     }
     if !any {
-        if let Some(z) = from.filter(|_| !is_all && !solutions.iter().any(is_proved))
-            && passes_near(&problem, cost_of_box(piece.patch.degree()), findings)
-        {
+        let near = || {
+            !solutions.is_empty()
+                || passes_near(&problem, cost_of_box(piece.patch.degree()), findings)
+        };
+        if let Some(z) = from.filter(|_| !is_all && !solutions.iter().any(is_proved) && near()) {
             doubt = doubt.min(z * ray.t_from_z);
         }
         // The places that stand for a stretch may have been moved out of the ray's range, far from
@@ -121,11 +123,14 @@ pub(crate) fn search_exactly(
     findings.solutions = solutions;
 }
 
-/// Whether the ray may pass the leaf within [`AROUND`] errors. Its control points' hull tells less:
-/// that of a leaf which is next to a line, as beside the crest of a crease, holds all that lies
-/// between the line and its chords.
+/// Whether the ray, within its range of interest, may pass the leaf within [`AROUND`] errors. Its
+/// control points' hull tells less: that of a leaf which is next to a line, as beside the crest of
+/// a crease, holds all that lies between the line and its chords.
 fn passes_near(problem: &Problem<'_>, cost_of_box: u64, findings: &mut Findings) -> bool {
-    // The solver discards what is half its error away.
+    if findings.effort >= MOST_EFFORT {
+        return true;
+    }
+    // The solver discards what is half its error away, or more where weights differ.
     let near = Problem { error: 2.0 * AROUND * problem.error, ..*problem };
     let places = findings.solve(&near, cost_of_box);
     let any = !places.is_empty();
@@ -175,8 +180,8 @@ const MOST_EFFORT: u64 = 1 << 17;
 
 /// The cost of one box, in boxes of bicubic surfaces: from how often two control points are mixed
 /// to cut the net down to the box. At degrees around 30, [`MOST_EFFORT`] boxes would take ten
-/// seconds and more. But no box counts as more than 16, so that any ray may use twice as many boxes
-/// as the most difficult leaf may take.
+/// seconds and more. But no box counts as more than 16, so that any ray may use as many boxes as
+/// the most difficult leaf may take, searched twice.
 fn cost_of_box([p, q]: [usize; 2]) -> u64 {
     let mixes = |[p, q]: [usize; 2]| ((p + 1) * (q + 1) * (p + q)) as u64;
     (mixes([p, q]) / mixes([3, 3])).clamp(1, 16)
