@@ -3,13 +3,21 @@
 use std::fmt;
 use std::str::FromStr;
 
-use fearless_simd::Level;
 use thiserror::Error;
 
-/// Runs code that is generic over `Simd` with the instructions of a level some [`Kernel`] uses.
+/// Instructions that some [`Kernel`] uses, and that this processor has.
 ///
-/// That of `fearless_simd` would compile them for SSE4.2 as well, which no kernel asks for: that
-/// was a third of the kernels' code.
+/// `fearless_simd` knows SSE4.2, too: by its `Level` and its `dispatch`, all kernels would be
+/// compiled for that, half as much again as for the other three, and none would run it.
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr"))]
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Level {
+    Sse2(fearless_simd::x86::Sse2),
+    Avx2(fearless_simd::x86::Avx2),
+    Avx512(fearless_simd::x86::Avx512),
+}
+
+/// Runs code that is generic over `Simd` with the instructions of a [`Level`].
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr"))]
 macro_rules! dispatch {
     (@with $token:ident, $simd:pat => $code:expr) => {{
@@ -22,19 +30,22 @@ macro_rules! dispatch {
     }};
     ($level:expr, $simd:pat => $code:expr) => {
         match $level {
-            fearless_simd::Level::Avx512(token) => dispatch!(@with token, $simd => $code),
-            fearless_simd::Level::Avx2(token) => dispatch!(@with token, $simd => $code),
-            weaker => match weaker.as_sse2() {
-                Some(token) => dispatch!(@with token, $simd => $code),
-                None => unreachable!("compiled for processors with SSE2"),
-            },
+            $crate::intersect::kernel::Level::Sse2(token) => {
+                dispatch!(@with token, $simd => $code)
+            }
+            $crate::intersect::kernel::Level::Avx2(token) => {
+                dispatch!(@with token, $simd => $code)
+            }
+            $crate::intersect::kernel::Level::Avx512(token) => {
+                dispatch!(@with token, $simd => $code)
+            }
         }
     };
 }
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr"))]
 pub(super) use dispatch;
 #[cfg(not(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr")))]
-pub(super) use fearless_simd::dispatch;
+pub(super) use fearless_simd::{Level, dispatch};
 
 /// Which code searches for hits. All give the same answers, to the stated accuracy; one kernel
 /// gives the same bits on every processor of one architecture that can run it.
@@ -73,16 +84,37 @@ impl Kernel {
 
     /// The instructions it uses, if this processor has them; none for the scalar kernel.
     pub(super) fn level(self) -> Option<Level> {
+        #[cfg(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr"))]
+        use fearless_simd::Level as Detected;
         match self {
             Self::Scalar => None,
+            #[cfg(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr"))]
+            Self::Portable => Detected::new().as_sse2().map(Level::Sse2),
+            #[cfg(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr"))]
+            Self::Avx2 => Detected::new().as_avx2().map(Level::Avx2),
+            #[cfg(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr"))]
+            Self::Avx512 => Detected::new().as_avx512().map(Level::Avx512),
+            #[cfg(not(all(
+                target_arch = "x86_64",
+                target_feature = "sse2",
+                target_feature = "fxsr"
+            )))]
             Self::Portable => Some(Level::baseline()),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Self::Avx2 => Level::new().as_avx2().map(Level::Avx2),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Self::Avx512 => Level::new().as_avx512().map(Level::Avx512),
-            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+            #[cfg(not(all(
+                target_arch = "x86_64",
+                target_feature = "sse2",
+                target_feature = "fxsr"
+            )))]
             Self::Avx2 | Self::Avx512 => None,
         }
+    }
+}
+
+#[cfg(test)]
+impl Kernel {
+    /// The instructions of the fastest kernel, for tests that any will do.
+    pub(super) fn best_level() -> Level {
+        Self::default().level().unwrap()
     }
 }
 

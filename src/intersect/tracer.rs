@@ -11,7 +11,7 @@ mod streams;
 
 use std::fmt;
 
-use fearless_simd::Level;
+use crate::intersect::kernel::Level;
 use glam::DVec3;
 
 use super::crossings::merge::merge;

@@ -107,11 +107,10 @@ pub(crate) fn search_exactly(
         }
     }
     if !any {
-        let near = || {
-            !solutions.is_empty()
-                || passes_near(&problem, cost_of_box(piece.patch.degree()), findings)
-        };
-        if let Some(z) = from.filter(|_| !is_all && !solutions.iter().any(is_proved) && near()) {
+        if let Some(z) = from.filter(|_| !is_all && !solutions.iter().any(is_proved))
+            && (!solutions.is_empty()
+                || passes_near(&problem, cost_of_box(piece.patch.degree()), findings))
+        {
             doubt = doubt.min(z * ray.t_from_z);
         }
         // The places that stand for a stretch may have been moved out of the ray's range, far from

@@ -3,7 +3,7 @@
 
 use super::{PacketScratch, answer_of};
 use crate::intersect::hit::StartIn;
-use crate::intersect::kernel::dispatch;
+use crate::intersect::kernel::{Level, dispatch};
 use crate::intersect::roots::borders::at_border;
 use crate::intersect::roots::meeting::{CertainHit, Meeting};
 use crate::intersect::scalar::findings::occlusion;
@@ -12,7 +12,6 @@ use crate::intersect::{Answer, HitFlags, Occlusion, Shot, Tracer};
 use crate::math::bits::{has, set_bits};
 use crate::math::{Ray, RayFrame};
 use crate::patch::{Jet, PatchSet};
-use fearless_simd::Level;
 
 impl Tracer<'_> {
     /// First hits by packets of up to [`PACKET`] rays, appended to `answers`.

@@ -1,12 +1,12 @@
 //! Rays one at a time: the fast search, and the scalar one for what it leaves undecided.
 
-use fearless_simd::{Level, Simd};
+use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
 use super::answer_of;
 use crate::intersect::hit::{OneShot, StartIn};
-use crate::intersect::kernel::dispatch;
+use crate::intersect::kernel::{Level, dispatch};
 use crate::intersect::roots::borders::at_border;
 use crate::intersect::roots::meeting::{CertainHit, Meeting};
 use crate::intersect::roots::question::Question;

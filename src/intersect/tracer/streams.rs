@@ -1,11 +1,11 @@
 //! First hits of many incoherent rays, and whether anything lies on them.
 
-use fearless_simd::{Level, Simd};
+use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
 use super::singles::Certain;
 use crate::intersect::hit::OneShot;
-use crate::intersect::kernel::dispatch;
+use crate::intersect::kernel::{Level, dispatch};
 use crate::intersect::wide::{FLIGHTS, Wanted, trace_stream};
 use crate::intersect::{Answer, Occlusion, Shot, Tracer};
 

@@ -338,10 +338,10 @@ pub(super) fn first_entered(entry: &[f32; LANES], met: u32) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::Level;
     use proptest::prelude::*;
 
     use super::*;
+    use crate::intersect::Kernel;
     use crate::intersect::kernel::dispatch;
     use crate::intersect::tree::nodes::Child;
 
@@ -361,7 +361,7 @@ mod tests {
                 let nearest = push_others(&mut one_way, &entries, met, &node);
                 one_way.push((entries[nearest.index() as usize], nearest));
             }
-            dispatch!(Level::new(), simd => {
+            dispatch!(Kernel::best_level(), simd => {
                 push_unforeseen(simd, &mut other_way, &entries, met, &node);
             });
             let told = |stack: &Stack| -> Vec<_> {

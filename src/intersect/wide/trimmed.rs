@@ -89,10 +89,11 @@ pub(super) fn kept_in_window<S: Simd>(
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::{Level, SimdMask};
+    use fearless_simd::SimdMask;
 
     use super::*;
     use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims, UvBox};
+    use crate::intersect::Kernel;
     use crate::intersect::kernel::dispatch;
     use crate::math::SplitMix;
     use crate::math::bits::has;
@@ -116,7 +117,7 @@ mod tests {
             if k % 5 == 0 {
                 (reach[0][1], reach[1][2]) = (f64::NAN, f64::INFINITY);
             }
-            let said = dispatch!(Level::new(), simd => {
+            let said = dispatch!(Kernel::best_level(), simd => {
                 let lanes = |of: [[f64; 8]; 2]| of.map(|of| f64x8::from_slice(simd, &of));
                 let places = Places { at: lanes(at), reach: lanes(reach) };
                 kept_in_window(simd, &window, &places).map(|lanes| lanes.to_bitmask())

@@ -51,12 +51,12 @@ pub(super) fn screen<S: Simd>(
 mod tests {
     use std::cell::Cell;
 
-    use fearless_simd::Level;
     use glam::{DVec2, DVec3};
     use proptest::prelude::*;
 
     use super::*;
     use crate::geometry::shapes;
+    use crate::intersect::Kernel;
     use crate::intersect::kernel::dispatch;
     use crate::intersect::wide::packet::box_crossing::cross_box;
     use crate::intersect::wide::packet::load::{find_planes, load};
@@ -78,7 +78,7 @@ mod tests {
         let target = Target::new(&view, &oriented, index);
         let mut packet = Packet::default();
         packet.ask(Wanted::Any);
-        dispatch!(Level::new(), simd => {
+        dispatch!(Kernel::best_level(), simd => {
             load(simd, &mut packet, queries, &view);
             find_planes(simd, &mut packet);
             let crossing = cross_box(simd, &oriented, &packet.scaled, 0);

@@ -223,12 +223,12 @@ impl<S: Simd> Errors<S> {
 mod tests {
     use std::cell::Cell;
 
-    use fearless_simd::Level;
     use glam::{DVec2, DVec3};
     use proptest::prelude::*;
 
     use super::*;
     use crate::geometry::shapes;
+    use crate::intersect::Kernel;
     use crate::intersect::kernel::dispatch;
     use crate::intersect::wide::weighted_hills;
     use crate::intersect::{Hit, Query, Root, SurfaceBvh};
@@ -264,7 +264,7 @@ mod tests {
         let sine = (1.0 - cosine * cosine).sqrt();
         let direction = cosine * normal + sine * (turn.cos() * a + turn.sin() * b);
 
-        let level = Level::new();
+        let level = Kernel::best_level();
         let view = bvh.view();
         let fitted = view.fitted(index, &piece.patch);
         let said = dispatch!(level, simd => {

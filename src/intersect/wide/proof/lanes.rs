@@ -338,11 +338,12 @@ const SLOPE_WEIGHTS: [[f32; 16]; 2] = {
 mod tests {
     use std::cell::Cell;
 
-    use fearless_simd::{Level, f32x8};
+    use fearless_simd::f32x8;
     use glam::{DMat2, DVec2};
     use proptest::prelude::*;
 
     use super::*;
+    use crate::intersect::Kernel;
     use crate::intersect::kernel::dispatch;
     use crate::intersect::wide::search::one_ray::Distances;
     use crate::math::testing::same_cases;
@@ -400,7 +401,7 @@ mod tests {
     }
 
     fn said(of: &Bicubics) -> Said {
-        dispatch!(Level::new(), simd => {
+        dispatch!(Kernel::best_level(), simd => {
             let mut lanes = LaneDistances::default();
             let mut rows = [f32x8::splat(simd, 0.0); 4];
             for k in 0..2 {
