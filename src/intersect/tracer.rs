@@ -11,11 +11,11 @@ mod streams;
 
 use std::fmt;
 
-use crate::intersect::kernel::Level;
 use glam::DVec3;
 
 use super::crossings::merge::merge;
 use super::hit::{OneShot, Shots};
+use super::kernel::Level;
 use super::roots::accept::AROUND;
 use super::roots::meeting::Meeting;
 use super::roots::question::{PlacedLeaf, Question};
