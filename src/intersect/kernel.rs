@@ -8,7 +8,7 @@ use thiserror::Error;
 /// Instructions that some [`Kernel`] uses, and that this processor has.
 ///
 /// `fearless_simd` knows SSE4.2, too: by its `Level` and its `dispatch`, all kernels would be
-/// compiled for that, half as much again as for the other three, and none would run it.
+/// compiled for that, half as much code again as for the other three, and none would run it.
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr"))]
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Level {
