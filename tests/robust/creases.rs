@@ -74,8 +74,8 @@ fn no_place_of_a_roof_is_missed() {
         let roof = roof().transformed(&(DAffine3::from_translation(DVec3::ONE) * size_map));
         let roof = roof.unwrap();
         let mut aimed = |k: usize| {
-            let beside = random.power_of_ten(-9.0, 0.0) * random.sign();
-            let u = [2.0 + beside, random.between(0.0, 4.0), 4.0][k % 3];
+            let beside = 0.5 * random.power_of_ten(-9.0, 0.0) * random.sign();
+            let u = [0.5 + beside, random.unit(), 1.0][k % 3];
             let v = [random.unit(), 1.0][k % 2];
             let distance = size * random.power_of_ten(0.0, 3.0);
             let back = distance * random.direction();
