@@ -5,47 +5,7 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-/// Instructions that some [`Kernel`] uses, and that this processor has.
-///
-/// `fearless_simd` knows SSE4.2, too: by its `Level` and its `dispatch`, all kernels would be
-/// compiled for that, half as much code again as for the other three, and none would run it.
-#[cfg(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr"))]
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Level {
-    Sse2(fearless_simd::x86::Sse2),
-    Avx2(fearless_simd::x86::Avx2),
-    Avx512(fearless_simd::x86::Avx512),
-}
-
-/// Runs code that is generic over `Simd` with the instructions of a [`Level`].
-#[cfg(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr"))]
-macro_rules! dispatch {
-    (@with $token:ident, $simd:pat => $code:expr) => {{
-        let $simd = $token;
-        fearless_simd::Simd::vectorize(
-            $token,
-            #[inline(always)]
-            || $code,
-        )
-    }};
-    ($level:expr, $simd:pat => $code:expr) => {
-        match $level {
-            $crate::intersect::kernel::Level::Sse2(token) => {
-                dispatch!(@with token, $simd => $code)
-            }
-            $crate::intersect::kernel::Level::Avx2(token) => {
-                dispatch!(@with token, $simd => $code)
-            }
-            $crate::intersect::kernel::Level::Avx512(token) => {
-                dispatch!(@with token, $simd => $code)
-            }
-        }
-    };
-}
-#[cfg(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr"))]
-pub(super) use dispatch;
-#[cfg(not(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr")))]
-pub(super) use fearless_simd::{Level, dispatch};
+use super::level::{self, Level};
 
 /// Which code searches for hits. All give the same answers, to the stated accuracy; one kernel
 /// gives the same bits on every processor of one architecture that can run it.
@@ -84,28 +44,11 @@ impl Kernel {
 
     /// The instructions it uses, if this processor has them; none for the scalar kernel.
     pub(super) fn level(self) -> Option<Level> {
-        #[cfg(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr"))]
-        use fearless_simd::Level as Detected;
         match self {
             Self::Scalar => None,
-            #[cfg(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr"))]
-            Self::Portable => Detected::new().as_sse2().map(Level::Sse2),
-            #[cfg(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr"))]
-            Self::Avx2 => Detected::new().as_avx2().map(Level::Avx2),
-            #[cfg(all(target_arch = "x86_64", target_feature = "sse2", target_feature = "fxsr"))]
-            Self::Avx512 => Detected::new().as_avx512().map(Level::Avx512),
-            #[cfg(not(all(
-                target_arch = "x86_64",
-                target_feature = "sse2",
-                target_feature = "fxsr"
-            )))]
-            Self::Portable => Some(Level::baseline()),
-            #[cfg(not(all(
-                target_arch = "x86_64",
-                target_feature = "sse2",
-                target_feature = "fxsr"
-            )))]
-            Self::Avx2 | Self::Avx512 => None,
+            Self::Portable => level::portable(),
+            Self::Avx2 => level::avx2(),
+            Self::Avx512 => level::avx512(),
         }
     }
 }

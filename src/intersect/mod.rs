@@ -103,6 +103,7 @@ mod crossings;
 mod exact;
 mod hit;
 mod kernel;
+mod level;
 mod roots;
 mod scalar;
 mod statistics;

@@ -15,7 +15,7 @@ use glam::DVec3;
 
 use super::crossings::merge::merge;
 use super::hit::{OneShot, Shots};
-use super::kernel::Level;
+use super::level::Level;
 use super::roots::accept::AROUND;
 use super::roots::meeting::Meeting;
 use super::roots::question::{PlacedLeaf, Question};

@@ -3,7 +3,7 @@
 
 use super::{PacketScratch, answer_of};
 use crate::intersect::hit::StartIn;
-use crate::intersect::kernel::{Level, dispatch};
+use crate::intersect::level::{Level, dispatch};
 use crate::intersect::roots::borders::at_border;
 use crate::intersect::roots::meeting::{CertainHit, Meeting};
 use crate::intersect::scalar::findings::occlusion;

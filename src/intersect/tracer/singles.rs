@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::answer_of;
 use crate::intersect::hit::{OneShot, StartIn};
-use crate::intersect::kernel::{Level, dispatch};
+use crate::intersect::level::{Level, dispatch};
 use crate::intersect::roots::borders::at_border;
 use crate::intersect::roots::meeting::{CertainHit, Meeting};
 use crate::intersect::roots::question::Question;

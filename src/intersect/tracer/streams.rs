@@ -5,7 +5,7 @@ use fearless_simd_macros::simd;
 
 use super::singles::Certain;
 use crate::intersect::hit::OneShot;
-use crate::intersect::kernel::{Level, dispatch};
+use crate::intersect::level::{Level, dispatch};
 use crate::intersect::wide::{FLIGHTS, Wanted, trace_stream};
 use crate::intersect::{Answer, Occlusion, Shot, Tracer};
 

@@ -342,7 +342,7 @@ mod tests {
 
     use super::*;
     use crate::intersect::Kernel;
-    use crate::intersect::kernel::dispatch;
+    use crate::intersect::level::dispatch;
     use crate::intersect::tree::nodes::Child;
 
     proptest! {

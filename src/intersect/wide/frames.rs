@@ -195,7 +195,7 @@ mod tests {
 
     use super::*;
     use crate::intersect::Kernel;
-    use crate::intersect::kernel::dispatch;
+    use crate::intersect::level::dispatch;
     use crate::math::RayFrame;
 
     /// Rays with directions of any length, often near one from which on lengths are computed in

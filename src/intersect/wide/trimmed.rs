@@ -94,7 +94,7 @@ mod tests {
     use super::*;
     use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims, UvBox};
     use crate::intersect::Kernel;
-    use crate::intersect::kernel::dispatch;
+    use crate::intersect::level::dispatch;
     use crate::math::SplitMix;
     use crate::math::bits::has;
 

@@ -146,7 +146,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface};
-    use crate::intersect::kernel::dispatch;
+    use crate::intersect::level::dispatch;
     use crate::intersect::{Kernel, SurfaceBvh};
     use crate::math::Ray;
     use crate::math::testing::same_cases;

@@ -57,7 +57,7 @@ mod tests {
     use super::*;
     use crate::geometry::shapes;
     use crate::intersect::Kernel;
-    use crate::intersect::kernel::dispatch;
+    use crate::intersect::level::dispatch;
     use crate::intersect::wide::packet::box_crossing::cross_box;
     use crate::intersect::wide::packet::load::{find_planes, load};
     use crate::intersect::wide::proof::certified::certify;

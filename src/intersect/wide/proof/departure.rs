@@ -229,7 +229,7 @@ mod tests {
     use super::*;
     use crate::geometry::shapes;
     use crate::intersect::Kernel;
-    use crate::intersect::kernel::dispatch;
+    use crate::intersect::level::dispatch;
     use crate::intersect::wide::weighted_hills;
     use crate::intersect::{Hit, Query, Root, SurfaceBvh};
     use crate::math::Ray;

@@ -203,7 +203,7 @@ mod tests {
 
     use super::*;
     use crate::intersect::Kernel;
-    use crate::intersect::kernel::dispatch;
+    use crate::intersect::level::dispatch;
     use crate::math::bits::set_bits;
 
     /// The lanes, middles and half sides of parts whose bit is set.

@@ -344,7 +344,7 @@ mod tests {
 
     use super::*;
     use crate::intersect::Kernel;
-    use crate::intersect::kernel::dispatch;
+    use crate::intersect::level::dispatch;
     use crate::intersect::wide::search::one_ray::Distances;
     use crate::math::testing::same_cases;
 

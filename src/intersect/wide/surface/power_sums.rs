@@ -110,7 +110,7 @@ mod tests {
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface};
     use crate::intersect::Kernel;
-    use crate::intersect::kernel::dispatch;
+    use crate::intersect::level::dispatch;
     use crate::intersect::wide::surface::jets;
     use crate::intersect::wide::surface::spline_net::RecentNets;
     use crate::intersect::wide::surface::sums::OneNet;

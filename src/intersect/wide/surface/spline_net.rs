@@ -181,7 +181,7 @@ mod tests {
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface};
     use crate::intersect::Kernel;
-    use crate::intersect::kernel::dispatch;
+    use crate::intersect::level::dispatch;
     use crate::math::bernstein::{self, Basis};
     use crate::patch::PatchSet;
 
