@@ -54,10 +54,11 @@ pub struct ExrNotes<'a> {
 /// Values are linear, primaries Rec. 709. The display window is the whole picture, the data window
 /// the crop. The header holds `software` (with version), `capDate` (UTC), `worldToCamera` (row
 /// vectors, `p_camera = p_world M`; x to the right, y up, z forward: left-handed; of 32 bits, so
-/// that far from the origin only `nurbray:camera` is exact), `screenWindowWidth`, and as text `nurbray:command`, `nurbray:version`, `nurbray:seed`,
-/// `nurbray:spp`, `nurbray:samples`, `nurbray:integrator`, `nurbray:seconds`, `nurbray:camera`,
-/// `nurbray:background`, `nurbray:rays`, `nurbray:hits`, `nurbray:doubtful`, all in the order of
-/// their names. The same film with the same notes gives the same bytes.
+/// that far from the origin only `nurbray:camera` is exact), `screenWindowWidth`, and as text
+/// `nurbray:command`, `nurbray:version`, `nurbray:seed`, `nurbray:spp`, `nurbray:samples`,
+/// `nurbray:integrator`, `nurbray:seconds`, `nurbray:camera`, `nurbray:background`,
+/// `nurbray:rays`, `nurbray:hits`, `nurbray:doubtful`, all in the order of their names. The same
+/// film with the same notes gives the same bytes.
 ///
 /// # Errors
 /// When the file cannot be written; an older one then stays as it was.

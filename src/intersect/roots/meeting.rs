@@ -39,8 +39,8 @@ pub(crate) struct Meeting {
     /// Whether the ray passes a side of the piece, or an edge of its trims, on the outside, by more
     /// than the rounding of a ray aimed at it.
     pub beyond: bool,
-    /// Whether a ray that was aimed at a trim edge may be this one: which side of the edge it passes
-    /// is not known. (Known only where all hits are asked for.)
+    /// Whether a ray that was aimed at a trim edge may be this one: which side of the edge it
+    /// passes is not known. (Known only where all hits are asked for.)
     pub on_edge: bool,
     /// How far a ray may pass a point there and still be one that was aimed at it.
     pub aimed: f64,
