@@ -1,13 +1,17 @@
 //! Drawings of another object's surfaces: control nets, trim edges, lines of constant parameter.
 //! Whatever several of them share is drawn once.
 
+use std::borrow::Cow;
+
 use glam::DVec3;
 
-use super::DrawError;
+use super::{DrawError, Scheme, Subdivision};
 use crate::geometry::construct::{
     Component, ConstructError, ControlNet, Drawing, NetStyle, Tightest, TubeStyle,
 };
-use crate::geometry::{CurveError, Direction, LimitSurface, NurbsCurve, Surface, TriangleSide};
+use crate::geometry::{
+    Cage, CurveError, Direction, LimitSurface, NurbsCurve, Surface, TriangleSide,
+};
 use crate::math::Shown;
 
 /// A drawing with a limit on its control points.
@@ -70,6 +74,34 @@ fn in_line(line: String, error: ConstructError) -> ConstructError {
 /// The name in errors of something on one of `count` surfaces: `what` alone if there is only one.
 fn on_surface(surface: usize, count: usize, what: &str) -> String {
     if count == 1 { what.to_owned() } else { format!("surface {surface}, {what}") }
+}
+
+/// More steps than these bring any cage beyond what can be drawn, if it grows at all.
+const MOST_STEPS: usize = 16;
+
+impl Subdivision {
+    /// The cage after this many steps of the scheme.
+    ///
+    /// # Errors
+    /// When there are more steps than any cage that grows can take, or a cage on the way has more
+    /// vertices than can be drawn: after the first few, each step makes about four times as many.
+    pub(super) fn cage_after(&self, steps: usize) -> Result<Cow<'_, Cage>, DrawError> {
+        if steps > MOST_STEPS {
+            return Err(DrawError::Steps { steps, most: MOST_STEPS });
+        }
+        let mut cage = Cow::Borrowed(&*self.cage);
+        for after in 0..steps {
+            let (count, limit) = (cage.positions().len(), NetStyle::MAX_POINTS);
+            if count > limit {
+                return Err(DrawError::LargeCage { after, steps, count, limit });
+            }
+            cage = Cow::Owned(match self.scheme {
+                Scheme::CatmullClark => cage.refined_catmull_clark(),
+                Scheme::DooSabin => cage.refined_doo_sabin(),
+            });
+        }
+        Ok(cage)
+    }
 }
 
 /// Control nets as cylinders and balls.

@@ -1,10 +1,8 @@
 //! Subdivision surfaces as written.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::{DrawError, Place, Written};
-use crate::geometry::construct::NetStyle;
+use super::{Place, Written};
 use crate::geometry::{Cage, LimitError, LimitSurface};
 
 /// A subdivision surface: a cage, the scheme that smooths it, and the tolerance.
@@ -38,33 +36,7 @@ impl Scheme {
     }
 }
 
-/// More steps than these bring any cage beyond what can be drawn, if it grows at all.
-const MOST_STEPS: usize = 16;
-
 impl Subdivision {
-    /// The cage after this many steps of the scheme.
-    ///
-    /// # Errors
-    /// When there are more steps than any cage that grows can take, or a cage on the way has more
-    /// vertices than can be drawn: after the first few, each step makes about four times as many.
-    pub(super) fn cage_after(&self, steps: usize) -> Result<Cow<'_, Cage>, DrawError> {
-        if steps > MOST_STEPS {
-            return Err(DrawError::Steps { steps, most: MOST_STEPS });
-        }
-        let mut cage = Cow::Borrowed(&*self.cage);
-        for after in 0..steps {
-            let (count, limit) = (cage.positions().len(), NetStyle::MAX_POINTS);
-            if count > limit {
-                return Err(DrawError::LargeCage { after, steps, count, limit });
-            }
-            cage = Cow::Owned(match self.scheme {
-                Scheme::CatmullClark => cage.refined_catmull_clark(),
-                Scheme::DooSabin => cage.refined_doo_sabin(),
-            });
-        }
-        Ok(cage)
-    }
-
     /// The surface.
     pub(super) fn surface(&self) -> Result<LimitSurface, LimitError> {
         let tolerance = self.tolerance.as_ref().map(|tolerance| tolerance.value);
