@@ -5,10 +5,11 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::{
-    Construction, FigureSpec, ImportNote, Light, Material, NamedShape, Net, Place, PlotSpec,
-    RenderDefaults, Rgb, Subdivision, Transform, TriangleNet, TrimSpec, UnknownName, Written,
+    Construction, FigureSpec, ImportNote, NamedShape, Net, Place, PlotSpec, RenderDefaults,
+    Subdivision, Transform, TriangleNet, TrimSpec, UnknownName, Written,
 };
 use crate::geometry::Surface;
+use crate::scene::look::{Light, Material, Rgb};
 
 /// A scene as its author wrote it. Readers build it; [`World::new`](super::World::new)
 /// checks it and makes it ready to trace.

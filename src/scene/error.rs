@@ -6,14 +6,14 @@ use thiserror::Error;
 
 use super::place::with_place;
 use super::{
-    CameraError, DrawError, ImportNote, LightError, LoopSense, PictureError, Place, PlotError,
-    TransformError, UnknownName,
+    DrawError, ImportNote, LoopSense, PictureError, Place, PlotError, TransformError, UnknownName,
 };
 use crate::geometry::construct::ConstructError;
 use crate::geometry::shapes::ShapeError;
 use crate::geometry::trim::{TrimCurveError, TrimError, TrimLoopError};
 use crate::geometry::{CurveError, LimitError, MoveError, SurfaceError, TriangleError};
 use crate::intersect::BuildError;
+use crate::scene::look::{CameraError, LightError};
 
 /// Why a scene cannot be shown, and where its author wrote the fault.
 #[derive(Clone, Debug, PartialEq)]

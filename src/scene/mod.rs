@@ -32,7 +32,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod camera;
 mod construction;
 mod curve;
 mod document;
@@ -43,9 +42,8 @@ mod drawn_tests;
 mod error;
 mod framing;
 mod import_note;
-mod light;
+mod look;
 mod made;
-mod material;
 mod names;
 mod net;
 mod note_circle;
@@ -70,17 +68,14 @@ mod unique_names;
 mod workshop;
 mod world;
 
-pub use camera::{Camera, CameraError, Projection, View};
 pub use construction::Construction;
 pub use curve::{BSplineEnds, CurveKind, CurveSpec};
 pub use document::{CameraSpec, Lens, Object, Part, Scene, Shape};
 pub use draw_error::DrawError;
 pub use error::{SceneError, SceneFault, TrimCurveFault};
 pub use import_note::ImportNote;
-pub use light::{Light, LightError, Rgb};
-pub(crate) use light::{MAX_INTENSITY, MAX_LIGHT};
-pub(crate) use material::share;
-pub use material::{Material, Texture};
+pub use look::{Camera, CameraError, Light, LightError, Material, Projection, Rgb, Texture, View};
+pub(crate) use look::{MAX_INTENSITY, MAX_LIGHT, share};
 pub use names::{UnknownName, nearest};
 pub use net::{Knots, Net};
 pub use note_circle::NoteCircle;

@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 
 use super::unique_names::check_unique;
-use super::{Material, Object, Rgb, Scene, SceneError, SceneFault, Texture, UnknownName, Written};
+use super::{Object, Scene, SceneError, SceneFault, UnknownName, Written};
+use crate::scene::look::{Material, Rgb, Texture};
 
 /// The name of the material of objects that name none. A scene may describe it.
 const DEFAULT_MATERIAL: &str = "default";

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use super::camera::VIEW_FROM;
 use super::{CurveSpec, Knots, Place, Written};
 use crate::geometry::{CornerCutting, MatrixForm, PolygonEnds};
+use crate::scene::look::VIEW_FROM;
 
 /// How the plots of a scene lie in one picture, as far as the author says.
 #[derive(Clone, Debug, Default, PartialEq)]

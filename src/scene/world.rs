@@ -1,17 +1,14 @@
 //! A scene ready to trace.
 
 use super::framing::{BoundingSphere, default_lights};
-use super::light::check_amount;
 use super::made::Made;
 use super::palette::Palette;
 use super::placing::Placer;
 use super::unique_names::{Naming, check_unique, joined};
-use super::{
-    Camera, Light, Material, Object, Place, RenderDefaults, Rgb, Scene, SceneError, SceneFault,
-    Written,
-};
+use super::{Object, Place, RenderDefaults, Scene, SceneError, SceneFault, Written};
 use crate::geometry::Surface;
 use crate::intersect::{BuildError, Hit, SurfaceBvh};
+use crate::scene::look::{Camera, Light, Material, Rgb, check_amount};
 
 /// A scene ready to trace: surfaces in their places, a camera, lights.
 ///

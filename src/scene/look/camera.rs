@@ -7,7 +7,7 @@ use crate::math::{Ray, Shown, ShownVector, unit};
 
 /// Where the camera stands if no place is given: a three-quarter view from the front (−y), the
 /// right, and 25° above, so that three sides of a box show at three different widths.
-pub(super) const VIEW_FROM: DVec3 = DVec3::new(0.45, -0.79, 0.423);
+pub(in crate::scene) const VIEW_FROM: DVec3 = DVec3::new(0.45, -0.79, 0.423);
 
 /// A camera's place and the way it is held.
 #[derive(Clone, Copy, Debug, PartialEq)]

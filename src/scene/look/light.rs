@@ -79,7 +79,7 @@ pub(crate) const MAX_LIGHT: f64 = 3.4e38;
 pub(crate) const MAX_INTENSITY: f64 = 3.4e178;
 
 /// Refuses numbers that are not a colour or an amount of light that pictures hold.
-pub(super) fn check_amount(what: &'static str, amount: Rgb) -> Result<(), LightError> {
+pub(in crate::scene) fn check_amount(what: &'static str, amount: Rgb) -> Result<(), LightError> {
     check_up_to(MAX_LIGHT, what, amount)
 }
 
