@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 use glam::DVec3;
 
-use super::{DrawError, Scheme, Subdivision};
+use super::DrawError;
 use crate::geometry::construct::{
     Component, ConstructError, ControlNet, Drawing, NetStyle, Tightest, TubeStyle,
 };
@@ -13,6 +13,7 @@ use crate::geometry::{
     Cage, CurveError, Direction, LimitSurface, NurbsCurve, Surface, TriangleSide,
 };
 use crate::math::Shown;
+use crate::scene::written::{Scheme, Subdivision};
 
 /// A drawing with a limit on its control points.
 struct Drawn {

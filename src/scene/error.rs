@@ -4,16 +4,16 @@ use std::fmt;
 
 use thiserror::Error;
 
-use super::place::with_place;
-use super::{
-    DrawError, ImportNote, LoopSense, PictureError, Place, PlotError, TransformError, UnknownName,
-};
+use super::{DrawError, PlotError};
 use crate::geometry::construct::ConstructError;
 use crate::geometry::shapes::ShapeError;
 use crate::geometry::trim::{TrimCurveError, TrimError, TrimLoopError};
 use crate::geometry::{CurveError, LimitError, MoveError, SurfaceError, TriangleError};
 use crate::intersect::BuildError;
 use crate::scene::look::{CameraError, LightError};
+use crate::scene::written::{
+    ImportNote, LoopSense, PictureError, Place, TransformError, UnknownName, with_place,
+};
 
 /// Why a scene cannot be shown, and where its author wrote the fault.
 #[derive(Clone, Debug, PartialEq)]

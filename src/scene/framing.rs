@@ -4,11 +4,11 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3, DVec4};
 
-use super::{CameraSpec, Lens, Place, Written};
 use crate::geometry::trim::{Side, UvBox};
 use crate::geometry::{Chart, Charts, KnotVector, NurbsSurface, Surface};
 use crate::math::Aabb;
 use crate::scene::look::{Camera, CameraError, Light, Projection, VIEW_FROM, View};
+use crate::scene::written::{CameraSpec, Lens, Place, Written};
 
 /// The share of the picture's shorter side that the bounding sphere takes up is one over
 /// this: a thin frame of background remains.

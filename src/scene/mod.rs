@@ -32,65 +32,43 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod construction;
-mod curve;
-mod document;
 mod draw_error;
 mod drawn;
 #[cfg(test)]
 mod drawn_tests;
 mod error;
 mod framing;
-mod import_note;
 mod look;
 mod made;
-mod names;
-mod net;
-mod note_circle;
 mod palette;
-mod place;
 mod placing;
 mod plot;
 mod plot_error;
-mod plot_spec;
 mod plotted;
 mod plotted_basis;
 mod plotted_curve;
-mod settings;
-mod shape;
 mod spacing;
-mod subdivision;
-mod transform;
-mod triangle;
-mod trim_spec;
 mod trims;
 mod unique_names;
 mod workshop;
 mod world;
+mod written;
 
-pub use construction::Construction;
-pub use curve::{BSplineEnds, CurveKind, CurveSpec};
-pub use document::{CameraSpec, Lens, Object, Part, Scene, Shape};
 pub use draw_error::DrawError;
 pub use error::{SceneError, SceneFault, TrimCurveFault};
-pub use import_note::ImportNote;
 pub use look::{Camera, CameraError, Light, LightError, Material, Projection, Rgb, Texture, View};
 pub(crate) use look::{MAX_INTENSITY, MAX_LIGHT, share};
-pub use names::{UnknownName, nearest};
-pub use net::{Knots, Net};
-pub use note_circle::NoteCircle;
-pub use place::{Place, Written};
 pub use plot::Plot;
 pub use plot_error::PlotError;
-pub use plot_spec::{BasisSpec, CurveEntry, FigureSpec, ObjectSpec, Plane, PlotKind, PlotSpec};
 pub use plotted::{LoopCurve, LoopCurveKind, PlottedSurface};
 pub use plotted_basis::{PlottedBasis, PlottedFunctions};
 pub use plotted_curve::{PlottedCurve, SplineData};
-pub use settings::{IntegratorKind, PictureError, RenderDefaults};
-pub use shape::NamedShape;
-pub use subdivision::{Scheme, Subdivision};
-pub(crate) use transform::placed;
-pub use transform::{Transform, TransformError};
-pub use triangle::TriangleNet;
-pub use trim_spec::{LoopKind, LoopSense, LoopSpec, TrimSpec};
 pub use world::{Instance, Placed, World};
+pub(crate) use written::placed;
+pub use written::{
+    BSplineEnds, BasisSpec, CameraSpec, Construction, CurveEntry, CurveKind, CurveSpec, FigureSpec,
+    ImportNote, IntegratorKind, Knots, Lens, LoopKind, LoopSense, LoopSpec, NamedShape, Net,
+    NoteCircle, Object, ObjectSpec, Part, PictureError, Place, Plane, PlotKind, PlotSpec,
+    RenderDefaults, Scene, Scheme, Shape, Subdivision, Transform, TransformError, TriangleNet,
+    TrimSpec, UnknownName, Written, nearest,
+};

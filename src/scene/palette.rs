@@ -3,8 +3,9 @@
 use std::collections::HashMap;
 
 use super::unique_names::check_unique;
-use super::{Object, Scene, SceneError, SceneFault, UnknownName, Written};
+use super::{SceneError, SceneFault};
 use crate::scene::look::{Material, Rgb, Texture};
+use crate::scene::written::{Object, Scene, UnknownName, Written};
 
 /// The name of the material of objects that name none. A scene may describe it.
 const DEFAULT_MATERIAL: &str = "default";

@@ -3,12 +3,12 @@
 use glam::DAffine3;
 
 use super::made::Made;
-use super::transform::placed;
 use super::workshop::{Others, Workshop};
-use super::{DrawError, Object, Part, Scene, SceneError, SceneFault, Shape, TrimSpec, Written};
+use super::{DrawError, SceneError, SceneFault};
 use crate::geometry::construct::ControlNet;
 use crate::geometry::shapes::ShapeError;
 use crate::geometry::{Surface, stretch};
+use crate::scene::written::{Object, Part, Scene, Shape, TrimSpec, Written, placed};
 
 /// All steps of an object's transform, the first one first.
 pub(super) fn affine(name: &str, object: &Object) -> Result<DAffine3, SceneError> {

@@ -2,13 +2,13 @@
 
 use glam::DVec3;
 
-use super::plot_spec::{MAX_FUNCTIONS, MAX_LINES, MAX_ROUNDS, MAX_TEETH};
 use super::plotted_curve::blame;
-use super::{
-    CurveEntry, CurveKind, CurveSpec, Place, Plane, PlotError, PlotKind, PlotSpec, PlottedBasis,
-    PlottedCurve, PlottedSurface, Scene, SceneError, SceneFault, Written,
-};
+use super::{PlotError, PlottedBasis, PlottedCurve, PlottedSurface, SceneError, SceneFault};
 use crate::geometry::{CornerCutting, CurveError, NurbsCurve, PolygonEnds};
+use crate::scene::written::{
+    CurveEntry, CurveKind, CurveSpec, MAX_FUNCTIONS, MAX_LINES, MAX_ROUNDS, MAX_TEETH, Place,
+    Plane, PlotKind, PlotSpec, Scene, Written,
+};
 
 /// A plot whose numbers have been checked.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,10 +2,11 @@
 
 use thiserror::Error;
 
-use super::plot_spec::{MAX_FUNCTIONS, MAX_LINES, MAX_ROUNDS, MAX_TEETH};
-use super::{TransformError, UnknownName};
 use crate::geometry::CurveError;
 use crate::math::Counted;
+use crate::scene::written::{
+    MAX_FUNCTIONS, MAX_LINES, MAX_ROUNDS, MAX_TEETH, TransformError, UnknownName,
+};
 
 /// Why a plot cannot be drawn.
 #[derive(Clone, Debug, PartialEq, Error)]

@@ -2,11 +2,13 @@
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-use super::curve::CurveFault;
 use super::placing::Placer;
 use super::plotted_curve::blame;
-use super::{CurveKind, LoopKind, LoopSpec, ObjectSpec, Part, Place, PlotError, Scene, SceneError};
+use super::{PlotError, SceneError};
 use crate::geometry::{NurbsCurve, Surface};
+use crate::scene::written::{
+    CurveFault, CurveKind, LoopKind, LoopSpec, ObjectSpec, Part, Place, Scene,
+};
 
 /// A surface to plot.
 #[derive(Clone, Debug, PartialEq)]

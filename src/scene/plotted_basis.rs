@@ -1,10 +1,11 @@
 //! Basis functions to plot.
 
-use super::net::{evenly_spaced, knot_vector, wrapped};
-use super::plot_spec::MAX_FUNCTIONS;
-use super::{BasisSpec, Knots, Place, PlotError, SceneError};
+use super::{PlotError, SceneError};
 use crate::geometry::{
     BasisFunctions, CurveError, KnotError, KnotVector, MAX_DEGREE, RationalBasis, periodic_values,
+};
+use crate::scene::written::{
+    BasisSpec, Knots, MAX_FUNCTIONS, Place, evenly_spaced, knot_vector, wrapped,
 };
 
 /// Basis functions to plot.

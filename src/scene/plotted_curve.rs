@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use super::curve::CurveFault;
-use super::{CurveKind, CurveSpec, PlotError, SceneError, SceneFault};
+use super::{PlotError, SceneError, SceneFault};
 use crate::geometry::{KnotVector, NurbsCurve, RationalBasis};
+use crate::scene::written::{CurveFault, CurveKind, CurveSpec};
 
 /// What a Catmull–Rom or Hermite spline is made from.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,15 +4,15 @@ use std::borrow::Cow;
 
 use glam::DVec2;
 
-use super::curve::CurveFault;
-use super::{
-    CurveKind, CurveSpec, Knots, LoopKind, LoopSense, LoopSpec, Place, SceneError, SceneFault,
-    TrimSpec, Written,
-};
+use super::{SceneError, SceneFault};
 use crate::geometry::trim::{
     Coverage, Kept, Side, TrimCurve, TrimDomain, TrimError, TrimLoop, TrimLoopError, Trims,
 };
 use crate::geometry::{NurbsSurface, TrimmedSurface};
+use crate::scene::written::{
+    CurveFault, CurveKind, CurveSpec, Knots, LoopKind, LoopSense, LoopSpec, Place, TrimSpec,
+    Written,
+};
 
 /// The width of the strip along a domain's border in which kept parts do not count, as a share of
 /// the domain's sides.

@@ -2,7 +2,8 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{Place, SceneError, SceneFault};
+use super::{SceneError, SceneFault};
+use crate::scene::written::Place;
 
 /// Refuses names that are given twice.
 pub(super) fn check_unique<'a>(

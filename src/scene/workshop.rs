@@ -2,14 +2,14 @@
 
 use std::collections::HashMap;
 
-use super::curve::CurveFault;
 use super::drawn::{control_nets, iso_curves, iso_lines, trim_curves};
 use super::made::Made;
-use super::{Construction, CurveSpec, DrawError, Place, SceneError, SceneFault, Written};
+use super::{DrawError, SceneError, SceneFault};
 use crate::geometry::construct::{
     self, Axis, Borders, Component, ComponentKind, ConstructError, ControlNet, DirectionOf, Sweep,
 };
 use crate::geometry::{CurveError, NurbsCurve, Surface};
+use crate::scene::written::{Construction, CurveFault, CurveSpec, Place, Written};
 
 /// Makes the surfaces of one part, and knows its name and its place for errors.
 pub(super) struct Workshop<'a> {

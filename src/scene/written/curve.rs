@@ -112,7 +112,7 @@ pub enum BSplineEnds {
 
 /// Why a curve as written is not a curve.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum CurveFault {
+pub(in crate::scene) enum CurveFault {
     Curve(Place, CurveError),
     Transform(Place, TransformError),
 }
@@ -137,7 +137,7 @@ impl CurveSpec {
     }
 
     /// Returns the curve that these numbers describe, if they describe one, in its place.
-    pub(super) fn curve(&self) -> Result<NurbsCurve, CurveFault> {
+    pub(in crate::scene) fn curve(&self) -> Result<NurbsCurve, CurveFault> {
         let blame = |error| CurveFault::Curve(self.place.clone(), error);
         let curve = match &self.kind {
             CurveKind::Nurbs { degree, knots, points, weights } => {
@@ -179,14 +179,14 @@ impl CurveSpec {
     }
 
     /// All steps of its transform.
-    pub(super) fn placed(&self) -> Result<DAffine3, CurveFault> {
+    pub(in crate::scene) fn placed(&self) -> Result<DAffine3, CurveFault> {
         placed(&self.transform)
             .map_err(|(place, error)| CurveFault::Transform(place.clone(), error))
     }
 
     /// The basis and the control points, in their place, of a NURBS curve with zeros among its
     /// weights; other kinds of curves have none.
-    pub(super) fn weighted(&self) -> Result<(RationalBasis, Vec<DVec3>), CurveFault> {
+    pub(in crate::scene) fn weighted(&self) -> Result<(RationalBasis, Vec<DVec3>), CurveFault> {
         let blame = |error| CurveFault::Curve(self.place.clone(), error);
         let CurveKind::Nurbs { degree, knots, points, weights: Some(weights) } = &self.kind else {
             return Err(blame(CurveError::WeightCount { weights: 0, points: self.point_count() }));

@@ -11,7 +11,7 @@ use super::{
 use crate::geometry::Surface;
 use crate::scene::look::{Light, Material, Rgb};
 
-/// A scene as its author wrote it. Readers build it; [`World::new`](super::World::new)
+/// A scene as its author wrote it. Readers build it; [`World::new`](crate::scene::World::new)
 /// checks it and makes it ready to trace.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
@@ -80,7 +80,7 @@ impl Scene {
     }
 
     /// The error about a name that no object has.
-    pub(super) fn unknown_object(&self, name: &str) -> UnknownName {
+    pub(in crate::scene) fn unknown_object(&self, name: &str) -> UnknownName {
         let called = |object: &Object| object.name.is_none() && object.default_name == name;
         if self.objects.iter().any(called) {
             return UnknownName::unnamed("object", name);

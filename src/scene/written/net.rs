@@ -44,14 +44,14 @@ pub struct Net {
 
 /// Why a net is not a surface, and the part to blame.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct NetFault {
-    pub(super) error: SurfaceError,
-    pub(super) blame: Blame,
+pub(in crate::scene) struct NetFault {
+    pub(in crate::scene) error: SurfaceError,
+    pub(in crate::scene) blame: Blame,
 }
 
 /// The part of a net that is at fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Blame {
+pub(in crate::scene) enum Blame {
     Knots(Direction),
     Points,
     Weights,
@@ -67,7 +67,7 @@ impl Net {
     }
 
     /// As [`Net::surface`], but an error also tells the part to blame.
-    pub(super) fn checked(&self) -> Result<NurbsSurface, NetFault> {
+    pub(in crate::scene) fn checked(&self) -> Result<NurbsSurface, NetFault> {
         let knots_u = self.knot_vector(Direction::U)?;
         let knots_v = self.knot_vector(Direction::V)?;
         let around = [knots_u.point_count(), knots_v.point_count()];
@@ -107,7 +107,7 @@ impl Net {
     }
 
     /// Where the part to blame was written.
-    pub(super) fn place(&self, blame: Blame) -> &super::Place {
+    pub(in crate::scene) fn place(&self, blame: Blame) -> &super::Place {
         match (blame, &self.weights) {
             (Blame::Knots(Direction::U), _) => &self.knots[0].place,
             (Blame::Knots(Direction::V), _) => &self.knots[1].place,
@@ -120,13 +120,13 @@ impl Net {
 impl Knots {
     /// Whether these are the knots of a closed spline, for which the first control points are
     /// repeated.
-    pub(super) fn are_closed(&self) -> bool {
+    pub(in crate::scene) fn are_closed(&self) -> bool {
         matches!(self, Self::PeriodicUniform | Self::Periodic(_))
     }
 }
 
 /// The knots `0, 1, 2, …` of a period of this many spans.
-pub(super) fn evenly_spaced(spans: usize) -> Vec<f64> {
+pub(in crate::scene) fn evenly_spaced(spans: usize) -> Vec<f64> {
     (0..=spans).map(|knot| knot as f64).collect()
 }
 
@@ -136,7 +136,11 @@ pub(super) fn evenly_spaced(spans: usize) -> Vec<f64> {
 ///
 /// Entries that do not fill `size` are returned as they are: the surface or curve then refuses
 /// them.
-pub(super) fn wrapped<T: Copy>(entries: &[T], size: [usize; 2], wanted: [usize; 2]) -> Vec<T> {
+pub(in crate::scene) fn wrapped<T: Copy>(
+    entries: &[T],
+    size: [usize; 2],
+    wanted: [usize; 2],
+) -> Vec<T> {
     if wanted == size || entries.len() != size[0] * size[1] {
         return entries.to_vec();
     }
@@ -146,7 +150,7 @@ pub(super) fn wrapped<T: Copy>(entries: &[T], size: [usize; 2], wanted: [usize; 
 
 /// The knot vector for this many control points, as written. That of a closed spline has more
 /// points: the first ones again, as [`wrapped`] repeats them.
-pub(super) fn knot_vector(
+pub(in crate::scene) fn knot_vector(
     degree: usize,
     knots: &Knots,
     points: usize,

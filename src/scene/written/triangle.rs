@@ -20,7 +20,7 @@ pub struct TriangleNet {
 impl TriangleNet {
     /// Returns the patch that these numbers describe; if they describe none, why, and the place to
     /// blame.
-    pub(super) fn patch(&self) -> Result<TrianglePatch, (TriangleError, &Place)> {
+    pub(in crate::scene) fn patch(&self) -> Result<TrianglePatch, (TriangleError, &Place)> {
         let points = self.points.value.iter().map(|point| point.value).collect();
         let weights = self.weights.as_ref();
         let weights = weights.map(|list| list.value.iter().map(|weight| weight.value).collect());

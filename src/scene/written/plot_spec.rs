@@ -188,14 +188,14 @@ pub struct ObjectSpec {
 
 /// The most rounds of corner cutting: each doubles the polygon, and after ten no screen shows what
 /// another one changes.
-pub(super) const MAX_ROUNDS: usize = 10;
+pub(in crate::scene) const MAX_ROUNDS: usize = 10;
 
 /// The most teeth a span's comb may have: more would be closer together than any screen shows.
-pub(super) const MAX_TEETH: usize = 1000;
+pub(in crate::scene) const MAX_TEETH: usize = 1000;
 
 /// The most curves of a surface in one direction: more would be closer together than any screen
 /// shows.
-pub(super) const MAX_LINES: usize = 1000;
+pub(in crate::scene) const MAX_LINES: usize = 1000;
 
 /// The most functions of a basis: no screen shows more.
-pub(super) const MAX_FUNCTIONS: usize = 1000;
+pub(in crate::scene) const MAX_FUNCTIONS: usize = 1000;

@@ -38,7 +38,7 @@ impl Scheme {
 
 impl Subdivision {
     /// The surface.
-    pub(super) fn surface(&self) -> Result<LimitSurface, LimitError> {
+    pub(in crate::scene) fn surface(&self) -> Result<LimitSurface, LimitError> {
         let tolerance = self.tolerance.as_ref().map(|tolerance| tolerance.value);
         let tolerance = tolerance.unwrap_or_else(|| self.cage.default_tolerance());
         match self.scheme {
@@ -48,7 +48,7 @@ impl Subdivision {
     }
 
     /// Where the tolerance was written, if an error is about it.
-    pub(super) fn blame(&self, error: &LimitError) -> Option<&Place> {
+    pub(in crate::scene) fn blame(&self, error: &LimitError) -> Option<&Place> {
         let too_fine = matches!(
             error,
             LimitError::Tolerance { .. }

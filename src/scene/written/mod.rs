@@ -1,0 +1,41 @@
+//! The scene as its author wrote it: plain data, with the places that errors will name. An entry
+//! by itself is checked where it becomes geometry: a net a surface, knots and points a curve, a
+//! cage its limit surface. Lights and materials are those of `look`. Why a scene as a whole cannot
+//! be shown, and how surfaces get to their places, is not known here.
+
+mod construction;
+mod curve;
+mod document;
+mod import_note;
+mod names;
+mod net;
+mod note_circle;
+mod place;
+mod plot_spec;
+mod settings;
+mod shape;
+mod subdivision;
+mod transform;
+mod triangle;
+mod trim_spec;
+
+pub use construction::Construction;
+pub(in crate::scene) use curve::CurveFault;
+pub use curve::{BSplineEnds, CurveKind, CurveSpec};
+pub use document::{CameraSpec, Lens, Object, Part, Scene, Shape};
+pub use import_note::ImportNote;
+pub use names::{UnknownName, nearest};
+pub use net::{Knots, Net};
+pub(in crate::scene) use net::{evenly_spaced, knot_vector, wrapped};
+pub use note_circle::NoteCircle;
+pub(in crate::scene) use place::with_place;
+pub use place::{Place, Written};
+pub use plot_spec::{BasisSpec, CurveEntry, FigureSpec, ObjectSpec, Plane, PlotKind, PlotSpec};
+pub(in crate::scene) use plot_spec::{MAX_FUNCTIONS, MAX_LINES, MAX_ROUNDS, MAX_TEETH};
+pub use settings::{IntegratorKind, PictureError, RenderDefaults};
+pub use shape::NamedShape;
+pub use subdivision::{Scheme, Subdivision};
+pub(crate) use transform::placed;
+pub use transform::{Transform, TransformError};
+pub use triangle::TriangleNet;
+pub use trim_spec::{LoopKind, LoopSense, LoopSpec, TrimSpec};
