@@ -5,7 +5,6 @@ use std::borrow::Cow;
 
 use glam::DVec3;
 
-use super::DrawError;
 use crate::geometry::construct::{
     Component, ConstructError, ControlNet, Drawing, NetStyle, Tightest, TubeStyle,
 };
@@ -13,6 +12,7 @@ use crate::geometry::{
     Cage, CurveError, Direction, LimitSurface, NurbsCurve, Surface, TriangleSide,
 };
 use crate::math::Shown;
+use crate::scene::errors::DrawError;
 use crate::scene::written::{Scheme, Subdivision};
 
 /// A drawing with a limit on its control points.

@@ -32,18 +32,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod draw_error;
 mod drawn;
 #[cfg(test)]
 mod drawn_tests;
-mod error;
+mod errors;
 mod framing;
 mod look;
 mod made;
 mod palette;
 mod placing;
 mod plot;
-mod plot_error;
 mod plotted;
 mod plotted_basis;
 mod plotted_curve;
@@ -54,12 +52,10 @@ mod workshop;
 mod world;
 mod written;
 
-pub use draw_error::DrawError;
-pub use error::{SceneError, SceneFault, TrimCurveFault};
+pub use errors::{DrawError, PlotError, SceneError, SceneFault, TrimCurveFault};
 pub use look::{Camera, CameraError, Light, LightError, Material, Projection, Rgb, Texture, View};
 pub(crate) use look::{MAX_INTENSITY, MAX_LIGHT, share};
 pub use plot::Plot;
-pub use plot_error::PlotError;
 pub use plotted::{LoopCurve, LoopCurveKind, PlottedSurface};
 pub use plotted_basis::{PlottedBasis, PlottedFunctions};
 pub use plotted_curve::{PlottedCurve, SplineData};

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::unique_names::check_unique;
-use super::{SceneError, SceneFault};
+use crate::scene::errors::{SceneError, SceneFault};
 use crate::scene::look::{Material, Rgb, Texture};
 use crate::scene::written::{Object, Scene, UnknownName, Written};
 

@@ -4,10 +4,10 @@ use glam::DAffine3;
 
 use super::made::Made;
 use super::workshop::{Others, Workshop};
-use super::{DrawError, SceneError, SceneFault};
 use crate::geometry::construct::ControlNet;
 use crate::geometry::shapes::ShapeError;
 use crate::geometry::{Surface, stretch};
+use crate::scene::errors::{DrawError, SceneError, SceneFault};
 use crate::scene::written::{Object, Part, Scene, Shape, TrimSpec, Written, placed};
 
 /// All steps of an object's transform, the first one first.

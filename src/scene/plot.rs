@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use super::plotted_curve::blame;
-use super::{PlotError, PlottedBasis, PlottedCurve, PlottedSurface, SceneError, SceneFault};
+use super::{PlottedBasis, PlottedCurve, PlottedSurface};
 use crate::geometry::{CornerCutting, CurveError, NurbsCurve, PolygonEnds};
+use crate::scene::errors::{PlotError, SceneError, SceneFault};
 use crate::scene::written::{
     CurveEntry, CurveKind, CurveSpec, MAX_FUNCTIONS, MAX_LINES, MAX_ROUNDS, MAX_TEETH, Place,
     Plane, PlotKind, PlotSpec, Scene, Written,

@@ -4,8 +4,8 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use super::placing::Placer;
 use super::plotted_curve::blame;
-use super::{PlotError, SceneError};
 use crate::geometry::{NurbsCurve, Surface};
+use crate::scene::errors::{PlotError, SceneError};
 use crate::scene::written::{
     CurveFault, CurveKind, LoopKind, LoopSpec, ObjectSpec, Part, Place, Scene,
 };

@@ -1,9 +1,9 @@
 //! Basis functions to plot.
 
-use super::{PlotError, SceneError};
 use crate::geometry::{
     BasisFunctions, CurveError, KnotError, KnotVector, MAX_DEGREE, RationalBasis, periodic_values,
 };
+use crate::scene::errors::{PlotError, SceneError};
 use crate::scene::written::{
     BasisSpec, Knots, MAX_FUNCTIONS, Place, evenly_spaced, knot_vector, wrapped,
 };

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::{PlotError, SceneError, SceneFault};
 use crate::geometry::{KnotVector, NurbsCurve, RationalBasis};
+use crate::scene::errors::{PlotError, SceneError, SceneFault};
 use crate::scene::written::{CurveFault, CurveKind, CurveSpec};
 
 /// What a Catmull–Rom or Hermite spline is made from.

@@ -4,11 +4,11 @@ use std::borrow::Cow;
 
 use glam::DVec2;
 
-use super::{SceneError, SceneFault};
 use crate::geometry::trim::{
     Coverage, Kept, Side, TrimCurve, TrimDomain, TrimError, TrimLoop, TrimLoopError, Trims,
 };
 use crate::geometry::{NurbsSurface, TrimmedSurface};
+use crate::scene::errors::{SceneError, SceneFault};
 use crate::scene::written::{
     CurveFault, CurveKind, CurveSpec, Knots, LoopKind, LoopSense, LoopSpec, Place, TrimSpec,
     Written,

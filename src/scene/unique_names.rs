@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{SceneError, SceneFault};
+use crate::scene::errors::{SceneError, SceneFault};
 use crate::scene::written::Place;
 
 /// Refuses names that are given twice.

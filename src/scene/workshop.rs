@@ -4,11 +4,11 @@ use std::collections::HashMap;
 
 use super::drawn::{control_nets, iso_curves, iso_lines, trim_curves};
 use super::made::Made;
-use super::{DrawError, SceneError, SceneFault};
 use crate::geometry::construct::{
     self, Axis, Borders, Component, ComponentKind, ConstructError, ControlNet, DirectionOf, Sweep,
 };
 use crate::geometry::{CurveError, NurbsCurve, Surface};
+use crate::scene::errors::{DrawError, SceneError, SceneFault};
 use crate::scene::written::{Construction, CurveFault, CurveSpec, Place, Written};
 
 /// Makes the surfaces of one part, and knows its name and its place for errors.

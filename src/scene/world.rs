@@ -5,9 +5,9 @@ use super::made::Made;
 use super::palette::Palette;
 use super::placing::Placer;
 use super::unique_names::{Naming, check_unique, joined};
-use super::{SceneError, SceneFault};
 use crate::geometry::Surface;
 use crate::intersect::{BuildError, Hit, SurfaceBvh};
+use crate::scene::errors::{SceneError, SceneFault};
 use crate::scene::look::{Camera, Light, Material, Rgb, check_amount};
 use crate::scene::written::{Object, Place, RenderDefaults, Scene, Written};
 

@@ -97,7 +97,7 @@ pub enum DrawError {
 impl DrawError {
     /// The key of the number that is at fault, if that has a key; none for
     /// [`DrawError::Construct`].
-    pub(super) fn key(&self) -> Option<&'static str> {
+    pub(in crate::scene) fn key(&self) -> Option<&'static str> {
         let parameter = match self {
             Self::IsoOff { parameter, .. }
             | Self::IsoCut { parameter, .. }
