@@ -32,23 +32,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod drawn;
-#[cfg(test)]
-mod drawn_tests;
 mod errors;
 mod framing;
 mod look;
-mod made;
+mod making;
 mod palette;
-mod placing;
 mod plot;
 mod plotted;
 mod plotted_basis;
 mod plotted_curve;
 mod spacing;
-mod trims;
 mod unique_names;
-mod workshop;
 mod world;
 mod written;
 

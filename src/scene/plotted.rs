@@ -2,10 +2,10 @@
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-use super::placing::Placer;
 use super::plotted_curve::blame;
 use crate::geometry::{NurbsCurve, Surface};
 use crate::scene::errors::{PlotError, SceneError};
+use crate::scene::making::Placer;
 use crate::scene::written::{
     CurveFault, CurveKind, LoopKind, LoopSpec, ObjectSpec, Part, Place, Scene,
 };

@@ -1,14 +1,13 @@
 //! A scene ready to trace.
 
 use super::framing::{BoundingSphere, default_lights};
-use super::made::Made;
 use super::palette::Palette;
-use super::placing::Placer;
 use super::unique_names::{Naming, check_unique, joined};
 use crate::geometry::Surface;
 use crate::intersect::{BuildError, Hit, SurfaceBvh};
 use crate::scene::errors::{SceneError, SceneFault};
 use crate::scene::look::{Camera, Light, Material, Rgb, check_amount};
+use crate::scene::making::{Made, Placer};
 use crate::scene::written::{Object, Place, RenderDefaults, Scene, Written};
 
 /// A scene ready to trace: surfaces in their places, a camera, lights.

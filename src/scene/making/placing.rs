@@ -19,10 +19,10 @@ pub(super) fn affine(name: &str, object: &Object) -> Result<DAffine3, SceneError
 }
 
 /// Makes and places the parts of objects.
-pub(super) struct Placer<'a> {
-    pub(super) scene: &'a Scene,
+pub(in crate::scene) struct Placer<'a> {
+    pub(in crate::scene) scene: &'a Scene,
     /// The most control points that may be drawn for one object: many times as many as are written.
-    pub(super) most_points: usize,
+    pub(in crate::scene) most_points: usize,
 }
 
 impl Placer<'_> {
@@ -100,7 +100,7 @@ impl Placer<'_> {
 
     /// All surfaces of an object, which errors call `called`: in their places, and turned if the
     /// object is reversed, each with the number of its part.
-    pub(super) fn surfaces(
+    pub(in crate::scene) fn surfaces(
         &self,
         called: &str,
         object: &Object,

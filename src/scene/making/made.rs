@@ -4,13 +4,13 @@ use crate::geometry::Surface;
 
 /// A surface made, and how far it is from what was asked for.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Made {
+pub(in crate::scene) struct Made {
     /// What it is called within its object; may be empty.
-    pub(super) name: String,
-    pub(super) surface: Surface,
-    /// The distance in space, as [`Instance::deviation`](super::Instance::deviation); 0 where it is
-    /// exact.
-    pub(super) deviation: f64,
+    pub(in crate::scene) name: String,
+    pub(in crate::scene) surface: Surface,
+    /// The distance in space, as [`Instance::deviation`](crate::scene::Instance::deviation); 0
+    /// where it is exact.
+    pub(in crate::scene) deviation: f64,
 }
 
 impl<S: Into<Surface>> From<S> for Made {
