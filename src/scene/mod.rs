@@ -37,10 +37,7 @@ mod framing;
 mod look;
 mod making;
 mod palette;
-mod plot;
-mod plotted;
-mod plotted_basis;
-mod plotted_curve;
+mod plots;
 mod spacing;
 mod unique_names;
 mod world;
@@ -49,10 +46,10 @@ mod written;
 pub use errors::{DrawError, PlotError, SceneError, SceneFault, TrimCurveFault};
 pub use look::{Camera, CameraError, Light, LightError, Material, Projection, Rgb, Texture, View};
 pub(crate) use look::{MAX_INTENSITY, MAX_LIGHT, share};
-pub use plot::Plot;
-pub use plotted::{LoopCurve, LoopCurveKind, PlottedSurface};
-pub use plotted_basis::{PlottedBasis, PlottedFunctions};
-pub use plotted_curve::{PlottedCurve, SplineData};
+pub use plots::{
+    LoopCurve, LoopCurveKind, Plot, PlottedBasis, PlottedCurve, PlottedFunctions, PlottedSurface,
+    SplineData,
+};
 pub use world::{Instance, Placed, World};
 pub(crate) use written::placed;
 pub use written::{

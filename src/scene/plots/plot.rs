@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::plotted_curve::blame;
+use super::curve::blame;
 use super::{PlottedBasis, PlottedCurve, PlottedSurface};
 use crate::geometry::{CornerCutting, CurveError, NurbsCurve, PolygonEnds};
 use crate::scene::errors::{PlotError, SceneError, SceneFault};

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-use super::plotted_curve::blame;
+use super::curve::blame;
 use crate::geometry::{NurbsCurve, Surface};
 use crate::scene::errors::{PlotError, SceneError};
 use crate::scene::making::Placer;
