@@ -33,13 +33,9 @@
 //! ```
 
 mod errors;
-mod framing;
 mod look;
 mod making;
-mod palette;
 mod plots;
-mod spacing;
-mod unique_names;
 mod world;
 mod written;
 

@@ -1,14 +1,24 @@
-//! A scene ready to trace.
+//! A scene ready to trace: surfaces made by `making`, under names of their own, with the camera, the
+//! lights and the materials of `look`; those that the scene leaves open are chosen here. All groups
+//! but the plots are used, and none of them knows of a world.
 
-use super::framing::{BoundingSphere, default_lights};
-use super::palette::Palette;
-use super::unique_names::{Naming, check_unique, joined};
+mod framing;
+mod palette;
+mod spacing;
+#[cfg(test)]
+mod tests;
+mod unique_names;
+
 use crate::geometry::Surface;
 use crate::intersect::{BuildError, Hit, SurfaceBvh};
 use crate::scene::errors::{SceneError, SceneFault};
 use crate::scene::look::{Camera, Light, Material, Rgb, check_amount};
 use crate::scene::making::{Made, Placer};
 use crate::scene::written::{Object, Place, RenderDefaults, Scene, Written};
+
+use framing::{BoundingSphere, default_lights};
+use palette::Palette;
+use unique_names::{Naming, check_unique, joined};
 
 /// A scene ready to trace: surfaces in their places, a camera, lights.
 ///
@@ -288,6 +298,3 @@ fn place_objects(
     }
     Ok((instances, palette.into_materials()))
 }
-
-#[cfg(test)]
-mod tests;
