@@ -31,6 +31,19 @@
 //! assert_eq!(film.value(Channel::A, [16, 12]), Some(1.0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # Where things are
+//!
+//! There are these folders, each of which uses only those above it, and `world` no plots:
+//!
+//! | | |
+//! |---|---|
+//! | `look` | what a picture is seen with: camera, lights, materials |
+//! | `written` | the scene as its author wrote it, with its places |
+//! | `errors` | why a scene cannot be shown, or a plot not be made |
+//! | `making` | from what is written to surfaces in their places |
+//! | `plots` | from plots as written to plots whose numbers are checked |
+//! | `world` | the scene ready to trace |
 
 mod errors;
 mod look;

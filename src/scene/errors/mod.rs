@@ -1,6 +1,7 @@
-//! Why a scene cannot be shown, an object not be drawn, a plot not be made: each error says what
-//! was found and where it was written. They know what was written by its names, its places and its
-//! limits, and nothing of how it is made into surfaces.
+//! Why a scene cannot be shown, another object's lines cannot be drawn, or a plot cannot be made.
+//! An error tells what was found and, where that is known, the place it was written at. What is
+//! written is known here by its names, places and limits, and `look` by its own errors; how
+//! surfaces are made is not known.
 
 mod draw_error;
 mod plot_error;

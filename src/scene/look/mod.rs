@@ -1,6 +1,6 @@
 //! What a picture is seen with: the camera, the lights, and the materials of surfaces. A scene as
-//! written names them, a world ready to trace holds them; so they are at the ground, and know
-//! nothing of the other groups.
+//! written holds them as well as a world ready to trace; so they come first, and know nothing of
+//! the other groups.
 
 mod camera;
 mod light;

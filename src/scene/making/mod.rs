@@ -1,7 +1,7 @@
-//! From what is written to surfaces in their places: shapes and constructions are made, other
-//! objects' nets and lines are drawn, trims are cut, and each object's transform is applied. This
-//! knows what is written and why it may fail; the world and the plots, which both are made of
-//! these surfaces, are not known here.
+//! From what is written to surfaces in their places: shapes and constructions are made, the nets,
+//! edges and lines of other objects drawn, trims cut, and each object's transform is applied. What
+//! is written is known here, and the errors; the world and the plots, both of which show these
+//! surfaces, are not.
 
 mod drawn;
 #[cfg(test)]

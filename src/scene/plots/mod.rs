@@ -1,6 +1,6 @@
-//! From plots as written to plots whose numbers are checked: curves, basis functions, and surfaces
-//! in their places as `making` makes them. A plot is drawn as lines and never traced, so the world
-//! is not known here, nor are plots known to it.
+//! From plots as written to plots whose numbers are checked: of curves, of basis functions, and of
+//! surfaces, which `making` puts in their places. A plot is drawn, never traced: the world is not
+//! known here, nor are plots known to it.
 
 mod basis;
 mod curve;

@@ -1,7 +1,7 @@
-//! The scene as its author wrote it: plain data, with the places that errors will name. An entry
-//! by itself is checked where it becomes geometry: a net a surface, knots and points a curve, a
-//! cage its limit surface. Lights and materials are those of `look`. Why a scene as a whole cannot
-//! be shown, and how surfaces get to their places, is not known here.
+//! The scene as its author wrote it: plain data, with the places that errors will name. Of lights,
+//! materials and colours it says what `look` says. An entry may be checked by itself where it
+//! becomes geometry: a net becomes a surface, points and knots a curve, a cage its limit surface.
+//! How surfaces get to their places, and the errors of a whole scene, are not known here.
 
 mod construction;
 mod curve;
