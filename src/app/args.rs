@@ -261,7 +261,8 @@ pub(crate) struct CastArguments {
     #[arg(long)]
     pub(crate) all: bool,
 
-    /// Neighbouring rays are alike: trace them in packets (the same hits, to rounding)
+    /// Neighbouring rays are alike: trace them in packets (the same hits, to rounding); with
+    /// --all it changes nothing
     #[arg(long)]
     pub(crate) coherent: bool,
 

@@ -303,24 +303,25 @@ impl<'a> Reader<'a> {
             self.note(entry, "surface", unused.to_owned());
         }
         let points: Written<Points> = self.needed(entry, "points", points)?;
-        if let Some((index, dimension)) = points.value.odd {
-            let first = points.value.dimension;
-            let message =
-                format!("point {index} has {dimension} coordinates, but point 0 has {first}");
+        if let (Some(first), Some((index, dimension))) = (points.value.dimension, points.value.odd)
+        {
+            let coordinates = Counted(dimension, "coordinate");
+            let message = format!("point {index} has {coordinates}, but point 0 has {first}");
             return Err(entry.malformed(points.place, &message));
         }
         match points.value.dimension {
-            2 => {
+            Some(2) => {
                 let why = "its points have 2 coordinates, surfaces in space need 3".to_owned();
                 self.note(entry, "surface", why);
                 return Ok(None);
             }
-            0 | 3 => {} // an empty list has too few points, which is reported elsewhere
-            other => {
+            None | Some(3) => {} // an empty list has too few points, which is reported elsewhere
+            Some(other) => {
                 let weighted = ": weights stand in a list of their own, \"weights\", and points are \
                                 not multiplied by them";
                 let hint = if other == 4 { weighted } else { "" };
-                let message = format!("its points have {other} coordinates, needed are 3{hint}");
+                let coordinates = Counted(other, "coordinate");
+                let message = format!("its points have {coordinates}, needed are 3{hint}");
                 return Err(entry.malformed(points.place, &message));
             }
         }

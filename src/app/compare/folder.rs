@@ -23,16 +23,18 @@ impl Folder {
     /// # Errors
     /// When one cannot be written or is an input: wrong use.
     pub(super) fn new(path: &Path, files: &[String], inputs: &[&Path]) -> Result<Self, Failure> {
+        // Without a slash at the end, which no file's name has.
+        let path: PathBuf = path.components().collect();
         if path.is_dir() {
             let files: Vec<_> = files.iter().map(|file| path.join(file)).collect();
             let files: Vec<&Path> = files.iter().map(AsRef::as_ref).collect();
             output::check(&files, inputs)?;
         } else if path.exists() {
-            return Err(Failure::input(format!("{} is a file, not a folder", Quoted(path))));
+            return Err(Failure::input(format!("{} is a file, not a folder", Quoted(&path))));
         } else {
-            check_writable(path).or_bad_input()?;
+            check_writable(&path).or_bad_input()?;
         }
-        Ok(Self { path: path.to_owned() })
+        Ok(Self { path })
     }
 
     /// Makes the folder, unless it exists.
@@ -78,7 +80,7 @@ mod tests {
         let home = tempfile::tempdir().unwrap();
         let path = home.path().join("report");
         let files = ["a.md".to_owned()];
-        let folder = Folder::new(&path, &files, &[]).unwrap();
+        let folder = Folder::new(&home.path().join("report/"), &files, &[]).unwrap();
         assert!(!path.exists());
         folder.make().unwrap();
         folder.make().unwrap();

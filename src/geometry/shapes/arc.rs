@@ -34,6 +34,9 @@ impl UnitArc {
             (sin / cos, cos)
         };
 
+        // Without its whole turns, which is exact: ends beyond them would be rounded as the large
+        // numbers they are.
+        let from = from % 360.0;
         let (sin, cos) = sin_cos_degrees(from);
         let (mut x, mut y) = (cos, sin);
         let mut points = vec![(x, y, 1.0)];
@@ -103,5 +106,8 @@ mod tests {
             }
         }
         assert_eq!(UnitArc::new(0.0, 180.0).points.len(), 5);
+        // Whole turns do not count, as many as there may be: 1e16 is 280 more than some.
+        let [far, near] = [1e16, 280.0].map(|from| UnitArc::new(from, 89.0).points);
+        assert_eq!(far, near);
     }
 }

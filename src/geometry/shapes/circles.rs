@@ -10,7 +10,9 @@ use glam::DVec3;
 
 use super::arc::UnitArc;
 use crate::geometry::knots::unit_knots;
-use crate::geometry::{CurveError, KnotVector, MAX_MAGNITUDE, MIN_MAGNITUDE, NurbsCurve};
+use crate::geometry::{
+    CurveError, KnotVector, MAX_MAGNITUDE, MIN_MAGNITUDE, NurbsCurve, NurbsSurface,
+};
 
 /// How the quarter circle of degree 2 is weighted; `2 w₁² = w₀ w₂` makes it a circle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,8 +61,8 @@ impl QuarticConstants {
     /// The solution of the constraint for a given `w₁`.
     ///
     /// # Errors
-    /// When `w₁` is not positive, above [`MAX_MAGNITUDE`], or so small (√2/8 or less) that the
-    /// first family leaves the quadrant.
+    /// When `w₁` is not positive, or so large that it or `w₂` is above [`MAX_MAGNITUDE`], or so small
+    /// that one is below [`MIN_MAGNITUDE`] or (√2/8 or less) the first family leaves the quadrant.
     pub fn solved(arc: QuarticArc, w1: f64) -> Result<Self, CurveError> {
         let (solution, least) = match arc {
             QuarticArc::First => (1, FIRST_ABOVE),
@@ -86,18 +88,17 @@ impl QuarticConstants {
     /// The constants `[w₁, w₂]`, `y₁`, `x₂`, if they satisfy the constraint.
     ///
     /// # Errors
-    /// When one is not positive and finite, or an equation is violated; the error says which
-    /// and by how much.
+    /// When one is not positive, or cannot be a weight or a coordinate of a curve, or an equation is
+    /// violated; the error says which and by how much.
     pub fn new([w1, w2]: [f64; 2], y1: f64, x2: f64) -> Result<Self, CurveError> {
         for (index, weight) in [(1, w1), (2, w2)] {
-            let usable = weight > 0.0 && weight.is_finite(); // false for NaN
-            if !usable {
+            if !NurbsSurface::usable_weight(weight) {
                 return Err(CurveError::Weight { index, weight });
             }
         }
-        let inside = y1 > 0.0 && x2 > 0.0 && y1.is_finite() && x2.is_finite();
-        if !inside {
-            let (index, point) = if y1 > 0.0 { (2, [x2, x2]) } else { (1, [1.0, y1]) };
+        let inside = |coordinate: f64| coordinate > 0.0 && coordinate <= MAX_MAGNITUDE; // not NaN
+        if !(inside(y1) && inside(x2)) {
+            let (index, point) = if inside(y1) { (2, [x2, x2]) } else { (1, [1.0, y1]) };
             let point = DVec3::new(point[0], point[1], 0.0);
             return Err(CurveError::OffQuadrant { index, point });
         }
@@ -340,6 +341,11 @@ mod tests {
         let off = QuarticConstants::new([1.0, 1.0], 0.5, -0.75).unwrap_err().to_string();
         assert!(off.starts_with("control point 2 is (-0.75, -0.75): both"), "{off}");
         assert!(QuarticConstants::solved(QuarticArc::Second, f64::NAN).is_err());
+        // The second weight would be 8e119.
+        let heavy = QuarticConstants::solved(QuarticArc::Second, 1e60).unwrap_err();
+        assert!(matches!(heavy, CurveError::Weight { index: 2, .. }), "{heavy}");
+        let heavy = QuarticConstants::solved(QuarticArc::First, 1e70).unwrap().curve();
+        assert!(heavy.weights().all(NurbsSurface::usable_weight));
         assert_eq!(
             quarter_circle_weighted([1.0, 1.0, 1.0]).unwrap_err().to_string(),
             "2 w1² / (w0 w2) is 2: a circle needs 1 to within 3.6e-15"

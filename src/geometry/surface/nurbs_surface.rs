@@ -211,7 +211,7 @@ impl Extent {
 
 /// Checks a domain's length: derivatives are sizes over such lengths, and their squares must be
 /// finite.
-fn check_domain(direction: Direction, knots: &KnotVector) -> Result<(), SurfaceError> {
+pub(super) fn check_domain(direction: Direction, knots: &KnotVector) -> Result<(), SurfaceError> {
     let (start, end) = knots.domain();
     if (MIN_MAGNITUDE..=MAX_MAGNITUDE).contains(&(end - start)) {
         return Ok(());

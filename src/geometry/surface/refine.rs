@@ -6,6 +6,7 @@ use std::borrow::Cow;
 use glam::DVec4;
 use rayon::prelude::*;
 
+use super::nurbs_surface::check_domain;
 use super::{BezierForm, Direction, NurbsSurface, SurfaceError};
 use crate::geometry::polygon::elevate;
 use crate::geometry::polygon::{Insertions, merged, restrict};
@@ -103,7 +104,8 @@ impl NurbsSurface {
     /// multiplicity `p + 1` lets the surface jump there.
     ///
     /// # Errors
-    /// When `t` is not inside the domain, or a part's control points are all on one line.
+    /// When `t` is not inside the domain, or as near to its end as to leave no room for a part's own
+    /// domain, or a part's control points are all on one line.
     pub fn split_u(&self, t: f64) -> Result<(Self, Self), SurfaceError> {
         self.split(Direction::U, t)
     }
@@ -112,7 +114,8 @@ impl NurbsSurface {
     /// [`NurbsSurface::split_u`].
     ///
     /// # Errors
-    /// When `t` is not inside the domain, or a part's control points are all on one line.
+    /// When `t` is not inside the domain, or as near to its end as to leave no room for a part's own
+    /// domain, or a part's control points are all on one line.
     pub fn split_v(&self, t: f64) -> Result<(Self, Self), SurfaceError> {
         self.split(Direction::V, t)
     }
@@ -130,8 +133,10 @@ impl NurbsSurface {
         let whole = clamped.refined(direction, &vec![t; missing]);
         let below = whole.restricted(direction, (start, t));
         let above = whole.restricted(direction, (t, end));
-        below.check_extent()?;
-        above.check_extent()?;
+        for part in [&below, &above] {
+            check_domain(direction, part.knots(direction))?;
+            part.check_extent()?;
+        }
         Ok((below, above))
     }
 

@@ -147,6 +147,15 @@ fn a_part_without_extent_cannot_be_split_off() {
     assert!(surface.split_u(1.5).is_ok());
 }
 
+#[test]
+fn a_part_whose_domain_is_too_short_cannot_be_split_off() {
+    let knots_u = KnotVector::new(1, vec![0., 0., 1e-80, 1., 1.]).unwrap();
+    let points = (0..6).map(|k| DVec3::new((k / 2).into(), (k % 2).into(), 0.0)).collect();
+    let surface = NurbsSurface::new(knots_u, knots(1, 2), points, None).unwrap();
+    assert!(matches!(surface.split_u(1e-80), Err(SurfaceError::Domain { .. })));
+    assert!(surface.split_u(0.5).is_ok());
+}
+
 /// Equal weights stay equal, flat stays flat, collapsed stays collapsed: bit for bit.
 #[test]
 fn what_is_exact_stays_exact() {

@@ -11,10 +11,18 @@ use serde::de::{Deserializer, SeqAccess, Visitor};
 pub(super) struct Points {
     /// The points; missing coordinates are 0.
     pub(super) points: Vec<DVec3>,
-    /// The number of coordinates of the first point.
-    pub(super) dimension: usize,
+    /// The number of coordinates of the first point, if there is one.
+    pub(super) dimension: Option<usize>,
     /// The first point, if any, with another number of coordinates, and that number.
     pub(super) odd: Option<(usize, usize)>,
+}
+
+impl Points {
+    /// The number of coordinates of the first point, if any, that has others than `needed`.
+    pub(super) fn unlike(&self, needed: usize) -> Option<usize> {
+        let odd = self.odd.map(|(_, dimension)| dimension);
+        [self.dimension, odd].into_iter().flatten().find(|&dimension| dimension != needed)
+    }
 }
 
 impl<'de> Deserialize<'de> for Points {
@@ -30,12 +38,9 @@ impl<'de> Deserialize<'de> for Points {
             fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Points, A::Error> {
                 let mut read = Points::default();
                 while let Some(Point { point, dimension }) = list.next_element()? {
-                    let index = read.points.len();
-                    if index == 0 {
-                        read.dimension = dimension;
-                    }
-                    if dimension != read.dimension && read.odd.is_none() {
-                        read.odd = Some((index, dimension));
+                    let first = *read.dimension.get_or_insert(dimension);
+                    if dimension != first && read.odd.is_none() {
+                        read.odd = Some((read.points.len(), dimension));
                     }
                     read.points.push(point);
                 }

@@ -418,6 +418,16 @@ fn trims_that_cannot_be_are_named() {
             "m.json:3:27: surface \"m/lid\": trims: missing key \"data\"",
         ),
         (
+            "[{\"points\": [[0.1], [0.9, 0.1], [0.5, 0.5]]}]".to_owned(),
+            "m.json:3:39: surface \"m/lid\": trims: a point has 1 coordinate, but trim curves lie \
+             in (u, v) and need 2",
+        ),
+        (
+            "[{\"points\": [[0.1, 0.1], [], [0.5, 0.5]]}]".to_owned(),
+            "m.json:3:39: surface \"m/lid\": trims: a point has 0 coordinates, but trim curves lie \
+             in (u, v) and need 2",
+        ),
+        (
             "[{\"points\": [[0, 0, 1]]}]".to_owned(),
             "m.json:3:39: surface \"m/lid\": trims: a point has 3 coordinates, but trim curves lie \
              in (u, v) and need 2",

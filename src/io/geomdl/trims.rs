@@ -11,6 +11,7 @@ use serde_json::value::RawValue;
 use super::points::Points;
 use super::{Entry, Keyed, LoadError, Raw, Reader, is_set};
 use crate::geometry::trim::Kept;
+use crate::math::Counted;
 use crate::scene::{
     CurveKind, CurveSpec, Knots, LoopKind, LoopSense, LoopSpec, Place, TrimSpec, Written,
 };
@@ -162,13 +163,12 @@ impl<'a> Reader<'a> {
         entry: &Entry<'a>,
         Written { value, place }: Written<Points>,
     ) -> Result<Vec<glam::DVec3>, LoadError> {
-        let odd = value.odd.map(|(_, dimension)| dimension);
-        match odd.unwrap_or(value.dimension) {
-            0 | 2 => Ok(value.points),
-            other => {
+        match value.unlike(2) {
+            None => Ok(value.points),
+            Some(other) => {
+                let coordinates = Counted(other, "coordinate");
                 let message = format!(
-                    "trims: a point has {other} coordinates, but trim curves lie in (u, v) and \
-                     need 2"
+                    "trims: a point has {coordinates}, but trim curves lie in (u, v) and need 2"
                 );
                 Err(entry.malformed(place, &message))
             }

@@ -92,8 +92,8 @@ fn wrong_values_say_what_is_needed() {
             "4:8: size 0x600: a picture needs at least one pixel each way",
         ),
         (
-            "[render]\nsize = [1e9, 600]",
-            "4:9: found the number 1000000000, needed a whole number from 1 to 4294967295",
+            "[render]\nsize = [1e10, 600]",
+            "4:9: found the number 10000000000, needed a whole number from 1 to 4294967295",
         ),
         (
             "[render]\nspp = 0.5",
@@ -413,18 +413,25 @@ fn what_is_written_elsewhere_or_called_otherwise_is_told() {
 #[test]
 fn degrees_are_whole_numbers_that_can_be_degrees() {
     let points = "points = [[0, 0], [1, 2], [2, 0]]";
-    for (degree, found) in
-        [("2.0", "the number 2.0"), ("-1", "integer -1"), ("2.5", "the number 2.5")]
-    {
+    let curve = |degree: &str| {
         let nurbs = format!("nurbs = {{ degree = {degree}, {points} }}");
+        format!("[[plot]]\nshow.curves = [{{ curve = {{ {nurbs} }} }}]")
+    };
+    let basis = |degree: &str| format!("[[plot]]\nshow.basis = {{ degree = {degree}, count = 4 }}");
+    for (degree, found) in
+        [("33.0", "the number 33.0"), ("-1", "integer -1"), ("2.5", "the number 2.5")]
+    {
         assert_eq!(
-            error(&format!("[[plot]]\nshow.curves = [{{ curve = {{ {nurbs} }} }}]")),
+            error(&curve(degree)),
             format!("s.toml:2:47: found {found}, needed a whole number from 1 to 32")
         );
         assert_eq!(
-            error(&format!("[[plot]]\nshow.basis = {{ degree = {degree}, count = 4 }}")),
+            error(&basis(degree)),
             format!("s.toml:2:25: found {found}, needed a whole number from 0 to 32")
         );
+    }
+    for text in [curve("2.0"), basis("2.0")] {
+        assert_eq!(scene(&text).plots.len(), 1);
     }
 }
 

@@ -148,9 +148,21 @@ impl<'de, const LEAST: u32, const MOST: u32> Deserialize<'de> for Whole<LEAST, M
                 let usable = u32::try_from(number).map(Whole);
                 usable.map_err(|_| E::invalid_value(Unexpected::Signed(number), &self))
             }
+
+            /// 3.0 is a whole number, too.
+            fn visit_f64<E: Error>(self, number: f64) -> Result<Self::Value, E> {
+                let usable = whole(number).map(Whole);
+                usable.ok_or_else(|| E::invalid_type(Unexpected::Float(number), &self))
+            }
         }
         deserializer.deserialize_u32(Visit)
     }
+}
+
+/// Returns a number that is whole, from 0 on.
+fn whole(x: f64) -> Option<u32> {
+    let usable = x.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&x);
+    usable.then_some(x as u32)
 }
 
 /// The ways to write a value: a finite number, text, or a list of numbers; a list with lists among
@@ -266,10 +278,6 @@ impl Loose {
 
     /// Returns whole numbers from 0 on for u and v.
     fn per_direction(&self) -> Option<[u32; 2]> {
-        let whole = |x: f64| {
-            let usable = x.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&x);
-            usable.then_some(x as u32)
-        };
         let [u, v] = match self {
             Self::Number(both) => [*both; 2],
             Self::List(list) => <[f64; 2]>::try_from(list.as_slice()).ok()?,

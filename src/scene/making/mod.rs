@@ -13,3 +13,4 @@ mod workshop;
 
 pub(in crate::scene) use made::Made;
 pub(in crate::scene) use placing::Placer;
+pub(in crate::scene) use trims::{loop_curve, trim_curve_error};

@@ -7,8 +7,8 @@ use glam::DVec2;
 use crate::geometry::trim::{
     Coverage, Kept, Side, TrimCurve, TrimDomain, TrimError, TrimLoop, TrimLoopError, Trims,
 };
-use crate::geometry::{NurbsSurface, TrimmedSurface};
-use crate::scene::errors::{SceneError, SceneFault};
+use crate::geometry::{NurbsCurve, NurbsSurface, TrimmedSurface};
+use crate::scene::errors::{SceneError, SceneFault, TrimCurveFault};
 use crate::scene::written::{
     CurveFault, CurveKind, CurveSpec, Knots, LoopKind, LoopSense, LoopSpec, Place, TrimSpec,
     Written,
@@ -145,24 +145,37 @@ impl LoopSpec {
 }
 
 /// Curve `at` of loop `index`.
-fn trim_curve(
+fn trim_curve(name: &str, at: [usize; 2], curve: &CurveSpec) -> Result<TrimCurve, SceneError> {
+    let made = loop_curve(name, at, curve)?;
+    TrimCurve::nurbs(&made).map_err(|error| trim_curve_error(name, at, &curve.place, error.into()))
+}
+
+/// Curve `at` of loop `index`, in (u, v) and 0.
+pub(in crate::scene) fn loop_curve(
     name: &str,
     [index, at]: [usize; 2],
     curve: &CurveSpec,
-) -> Result<TrimCurve, SceneError> {
-    let fails = |place: &Place, error| {
-        let (surface, trim_loop, curve) = (name.to_owned(), index, at);
-        let fault = SceneFault::TrimCurve { surface, trim_loop, curve, error };
-        SceneError::new(place.clone(), fault)
-    };
-    let made = on_even_knots(curve).curve().map_err(|fault| match fault {
-        CurveFault::Curve(place, error) => fails(&place, error.into()),
+) -> Result<NurbsCurve, SceneError> {
+    on_even_knots(curve).curve().map_err(|fault| match fault {
+        CurveFault::Curve(place, error) => {
+            trim_curve_error(name, [index, at], &place, error.into())
+        }
         CurveFault::Transform(place, error) => {
             let object = format!("{name}, loop {index}, curve {at}");
             SceneError::new(place, SceneFault::Transform { object, error })
         }
-    })?;
-    TrimCurve::nurbs(&made).map_err(|error| fails(&curve.place, error.into()))
+    })
+}
+
+/// The error of curve `at` of loop `index`.
+pub(in crate::scene) fn trim_curve_error(
+    name: &str,
+    [trim_loop, curve]: [usize; 2],
+    place: &Place,
+    error: TrimCurveFault,
+) -> SceneError {
+    let fault = SceneFault::TrimCurve { surface: name.to_owned(), trim_loop, curve, error };
+    SceneError::new(place.clone(), fault)
 }
 
 /// The same curve, a polyline with evenly spaced knots. Its own parameter, the arc length, needs
@@ -204,8 +217,14 @@ mod tests {
             // The length up to the second corner rounds the distance to the next one away.
             &[&[a, b, [0.9, 0.1_f64.next_up()], c, a]],
         ];
-        for curves in loops {
-            let curves = curves.iter().map(|points| polyline(points)).collect();
+        for points in loops {
+            let curves: Vec<CurveSpec> = points.iter().map(|points| polyline(points)).collect();
+            // As they were written, they are drawn.
+            for (at, (points, curve)) in points.iter().zip(&curves).enumerate() {
+                let drawn = loop_curve("plane", [0, at], curve).unwrap();
+                let drawn: Vec<[f64; 2]> = drawn.points().map(|p| [p.x, p.y]).collect();
+                assert_eq!(&drawn, points);
+            }
             let place = Place::default();
             let one =
                 LoopSpec { place: place.clone(), kind: LoopKind::Curves(curves), sense: None };

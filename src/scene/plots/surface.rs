@@ -2,13 +2,10 @@
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-use super::curve::blame;
-use crate::geometry::{NurbsCurve, Surface};
+use crate::geometry::{CurveError, NurbsCurve, Surface};
 use crate::scene::errors::{PlotError, SceneError};
-use crate::scene::making::Placer;
-use crate::scene::written::{
-    CurveFault, CurveKind, LoopKind, LoopSpec, ObjectSpec, Part, Place, Scene,
-};
+use crate::scene::making::{Placer, loop_curve, trim_curve_error};
+use crate::scene::written::{CurveKind, LoopKind, LoopSpec, ObjectSpec, Part, Place, Scene};
 
 /// A surface to plot.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,17 +53,22 @@ impl PlottedSurface {
         reversed: bool,
     ) -> Result<Self, SceneError> {
         let Some(trims) = &part.trims else { return Ok(Self { surface, loops: Vec::new() }) };
-        let loops = trims.loops.iter().map(LoopSpec::curves).collect::<Result<_, _>>();
-        let mut loops: Vec<Vec<LoopCurve>> = loops.map_err(|fault| blame(name, "trims", fault))?;
+        let curves_of = |(index, one): (usize, &LoopSpec)| one.curves(name, index);
+        let mut loops = trims
+            .loops
+            .iter()
+            .enumerate()
+            .map(curves_of)
+            .collect::<Result<Vec<Vec<LoopCurve>>, _>>()?;
         if reversed {
             // Like the surface's own trims: a point at u is then as far from the other end.
             let ([(start, _), _], [(_, end), _]) = (surface.domain(), surface.reversed().domain());
             let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
             let mirror = DAffine3::from_mat3_translation(mirror, (start + end) * DVec3::X);
-            for (one, written) in loops.iter_mut().zip(&trims.loops) {
-                for LoopCurve { curve, .. } in one {
+            for (index, (one, written)) in loops.iter_mut().zip(&trims.loops).enumerate() {
+                for (at, LoopCurve { curve, .. }) in one.iter_mut().enumerate() {
                     *curve = curve.transformed(&mirror).map_err(|error| {
-                        blame(name, "trims", CurveFault::Curve(written.place.clone(), error))
+                        trim_curve_error(name, [index, at], &written.place, error.into())
                     })?;
                 }
             }
@@ -131,9 +133,12 @@ impl ObjectSpec {
 }
 
 impl LoopSpec {
-    /// Its curves as they were written.
-    fn curves(&self) -> Result<Vec<LoopCurve>, CurveFault> {
-        let blame = |error| CurveFault::Curve(self.place.clone(), error);
+    /// The curves of loop `index` of a surface of this name, as they were written.
+    fn curves(&self, name: &str, index: usize) -> Result<Vec<LoopCurve>, SceneError> {
+        let only = |kind, curve: Result<NurbsCurve, CurveError>| match curve {
+            Ok(curve) => Ok(vec![LoopCurve { kind, curve }]),
+            Err(error) => Err(trim_curve_error(name, [index, 0], &self.place, error.into())),
+        };
         let flat = |point: &DVec2| point.extend(0.0);
         match &self.kind {
             LoopKind::Polygon(corners) => {
@@ -141,17 +146,16 @@ impl LoopSpec {
                 let mut closed: Vec<DVec3> =
                     corners.iter().chain(corners.first()).map(flat).collect();
                 closed.dedup();
-                let curve = NurbsCurve::polyline(&closed).map_err(blame)?;
-                Ok(vec![LoopCurve { kind: LoopCurveKind::Lines, curve }])
+                only(LoopCurveKind::Lines, NurbsCurve::polyline(&closed))
             }
             LoopKind::Circle { center, radius } => {
                 let circle = crate::geometry::shapes::circle_arc(*radius, 0.0, 360.0);
                 let placed = DAffine3::from_translation(flat(center));
-                let curve = circle.and_then(|circle| circle.transformed(&placed));
-                Ok(vec![LoopCurve { kind: LoopCurveKind::Arc, curve: curve.map_err(blame)? }])
+                let circle = circle.and_then(|circle| circle.transformed(&placed));
+                only(LoopCurveKind::Arc, circle)
             }
             LoopKind::Curves(curves) => {
-                let made = curves.iter().map(|spec| {
+                let made = curves.iter().enumerate().map(|(at, spec)| {
                     let kind = match &spec.kind {
                         CurveKind::Polyline(_) => LoopCurveKind::Lines,
                         CurveKind::Bezier(_) => LoopCurveKind::Bezier,
@@ -162,7 +166,7 @@ impl LoopSpec {
                         | CurveKind::QuarticArc { .. } => LoopCurveKind::Arc,
                         _ => LoopCurveKind::Spline,
                     };
-                    Ok(LoopCurve { kind, curve: spec.curve()? })
+                    Ok(LoopCurve { kind, curve: loop_curve(name, [index, at], spec)? })
                 });
                 made.collect()
             }

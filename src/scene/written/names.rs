@@ -10,6 +10,9 @@ const MAX_WRONG: f64 = 0.4;
 /// As many letters do words have in common that mean the same: `revolve` and `revolution`.
 const STEM: usize = 5;
 
+/// As many known names an error lists.
+const MOST_SHOWN: usize = 30;
+
 /// Returns the known name nearest to the one written, if one is near enough to be meant.
 ///
 /// Nearness is the Damerau–Levenshtein distance (letters added, dropped, replaced or
@@ -86,7 +89,9 @@ impl fmt::Display for UnknownName {
                 write!(f, "unknown {what} \"{written}\": none is known here")
             }
             Hint::Known(names) => {
-                write!(f, "unknown {what} \"{written}\"; known: {}", names.join(", "))
+                let (shown, others) = names.split_at(names.len().min(MOST_SHOWN));
+                write!(f, "unknown {what} \"{written}\"; known: {}", shown.join(", "))?;
+                if others.is_empty() { Ok(()) } else { write!(f, " and {} more", others.len()) }
             }
         }
     }
@@ -129,5 +134,9 @@ mod tests {
             UnknownName::new("material", "a\nb", &[]).to_string(),
             "unknown material \"a\\nb\": none is known here"
         );
+        let known: Vec<String> = (0..1000).map(|k| format!("part {k}")).collect();
+        let known: Vec<&str> = known.iter().map(String::as_str).collect();
+        let long = UnknownName::new("object", "lid", &known).to_string();
+        assert!(long.ends_with(", part 28, part 29 and 970 more"), "{long}");
     }
 }
