@@ -31,9 +31,9 @@ pub(super) fn patches(
         return Err(LimitError::Tolerance { tolerance, magnitude, smallest });
     }
     let topology = &cage.mesh().topology;
-    let count = AtomicUsize::new(0);
+    let (count, size) = (AtomicUsize::new(0), cage.largest_side());
     let of_batch = |faces: &Vec<u32>| -> Result<Patches, LimitError> {
-        let mut tree = Tree::new(degree, (tolerance, share), &count);
+        let mut tree = Tree::new(degree, (tolerance, share), size, &count);
         refine(faces, &mut tree)?;
         Ok(tree.patches())
     };

@@ -122,7 +122,8 @@ impl Vertex {
     /// On a sharp edge it is a third of the way along the edge. Otherwise it is the B-spline's,
     /// `(2 v' + w')/3`, from the rows across both ends with `v' = (a + 4 v + b)/6`; at a smooth
     /// extraordinary vertex it lies in the tangent plane; at other irregular vertices it is moved
-    /// with the limit point.
+    /// with the limit point and, if nothing is sharp that refinement makes smooth, into the tangent
+    /// plane if there is one.
     fn beside(&self, mesh: &Mesh, half_edge: u32, end: End) -> DVec3 {
         let topology = &mesh.topology;
         let [first, last] = topology.edge_ends(half_edge).map(|end| mesh.positions[end as usize]);
@@ -149,9 +150,14 @@ impl Vertex {
             (across_last, across_first)
         };
         let (row_v, row_w) = ((4.0 * v + across_v) / 6.0, (4.0 * w + across_w) / 6.0);
-        match self.irregular {
+        match &self.irregular {
             None => (2.0 * row_v + row_w) / 3.0,
-            Some(_) => self.limit + (row_w - row_v) / 3.0,
+            Some((star, ring)) => {
+                let along = (row_w - row_v) / 3.0;
+                let spoke = star.corners.iter().position(|&corner| corner == leaving);
+                let normal = spoke.filter(|_| !ring.is_semi_sharp()).and_then(|k| ring.normal(k));
+                self.limit + normal.map_or(along, |normal| along.reject_from_normalized(normal))
+            }
         }
     }
 

@@ -33,3 +33,27 @@ pub(super) fn halve(net: &mut [DVec3], n: usize, (start, stride): (usize, usize)
         }
     }
 }
+
+/// The largest angle, or for large ones its sine, between the normals of two patches with n × n
+/// points at a corner that has normals.
+pub(super) fn corner_turn(a: &Net, b: &Net, n: usize) -> f64 {
+    let last = n * n - 1;
+    // A corner, and its neighbours along v and u.
+    let corners = [
+        [0, 1, n],
+        [n - 1, n - 2, 2 * n - 1],
+        [last + 1 - n, last + 2 - n, last + 1 - 2 * n],
+        [last, last - 1, last - n],
+    ];
+    let normal = |net: &Net, [at, beside, next]: [usize; 3]| {
+        (net[next] - net[at]).cross(net[beside] - net[at]).try_normalize()
+    };
+    let turn = |corner| match (normal(a, corner), normal(b, corner)) {
+        (Some(a), Some(b)) => {
+            let sine = a.cross(b).length();
+            if a.dot(b) > 0.0 { sine } else { 1.0 }
+        }
+        _ => 0.0,
+    };
+    corners.into_iter().map(turn).fold(0.0, f64::max)
+}

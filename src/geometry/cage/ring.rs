@@ -91,12 +91,17 @@ impl Ring {
         }
     }
 
+    /// Whether anything is sharp that refinement makes smooth.
+    pub(super) fn is_semi_sharp(&self) -> bool {
+        let finite = |s: f64| s > 0.0 && s.is_finite();
+        finite(self.corner) || self.creases.iter().any(|&s| finite(s))
+    }
+
     /// The ring after refinement has used up all finite sharpness.
     fn settled(&self) -> Self {
-        let finite = |s: f64| s > 0.0 && s.is_finite();
         let mut ring = self.clone();
         for _ in 0..SHARP_STEPS {
-            if !finite(ring.corner) && !ring.creases.iter().any(|&s| finite(s)) {
+            if !ring.is_semi_sharp() {
                 break;
             }
             ring = ring.refined();

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::creased::CreasedQuad;
 use super::error::LimitError;
 use super::limit_surface::{FaceRect, LimitPatch, Patches};
-use super::net::{Net, part};
+use super::net::{Net, corner_turn, part};
 use crate::math::Aabb;
 
 /// How well a rectangle is known.
@@ -48,6 +48,14 @@ impl Cut {
     }
 }
 
+/// The angle, in radians, that is always allowed between the normals of a patch and of the surface.
+/// The distance alone says little of normals: a patch may be a few times as large as it may be off.
+const MOST_TURN: f64 = 2e-3;
+
+/// Tolerances above a ten-thousandth of the cage's size, the default, allow larger angles, in
+/// proportion.
+const TURN_OF_TOLERANCE: f64 = 1e4 * MOST_TURN;
+
 /// The rectangles of some faces: each root covers a face, each other is a part of its parent.
 #[derive(Clone, Debug)]
 pub(super) struct Tree<'a> {
@@ -57,6 +65,8 @@ pub(super) struct Tree<'a> {
     roots: Vec<Place>,
     /// The largest allowed distance of a patch from the surface.
     limit: f64,
+    /// The largest allowed angle between their normals.
+    most_turn: f64,
     tolerance: f64,
     /// The rectangles of all trees of a surface.
     count: &'a AtomicUsize,
@@ -79,15 +89,18 @@ const MAX_RECTS: usize = 1 << 22;
 pub(super) const MAX_LEVELS: u32 = 52;
 
 impl<'a> Tree<'a> {
-    /// A tree of nothing. Patches may be at most a share of the tolerance from the surface. Its
-    /// rectangles are added to `count`, which they share with other trees of the surface.
+    /// A tree of nothing for a cage of this size, its largest side. Patches may be at most a share
+    /// of the tolerance from the surface. Its rectangles are added to `count`, which they share
+    /// with other trees of the surface.
     pub(super) fn new(
         degree: usize,
         (tolerance, share): (f64, f64),
+        size: f64,
         count: &'a AtomicUsize,
     ) -> Self {
         let limit = share * tolerance;
-        Self { degree, nodes: Vec::new(), roots: Vec::new(), limit, tolerance, count }
+        let most_turn = MOST_TURN.max(TURN_OF_TOLERANCE * tolerance / size);
+        Self { degree, nodes: Vec::new(), roots: Vec::new(), limit, most_turn, tolerance, count }
     }
 
     /// Adds a square that is not part of another.
@@ -164,15 +177,21 @@ impl<'a> Tree<'a> {
     }
 
     /// Upper bound on the distance of a patch over a rectangle from the surface at the same
-    /// parameters; `None` if it exceeds the limit.
+    /// parameters; `None` if it exceeds the limit, or if normals differ too much.
     ///
     /// A difference of Bézier patches is no larger than the largest difference of their control
-    /// points, so the bound is proved except for rounding by some ulps.
+    /// points, so the bound is proved except for rounding by some ulps. Normals are only compared,
+    /// at the corners of all parts that are known exactly and are wider than the tolerance.
     fn deviation(&self, net: &Net, node: u32) -> Option<f64> {
         let (kind, own) = &self.nodes[node as usize];
         let found = match *kind {
             Kind::Exact => {
                 let used = (self.degree + 1) * (self.degree + 1);
+                let sides = [self.degree, used - 1 - self.degree].map(|k| own[0].distance(own[k]));
+                let seen = sides.iter().all(|&side| side > self.tolerance);
+                if seen && corner_turn(net, own, self.degree + 1) > self.most_turn {
+                    return None;
+                }
                 let pairs = net[..used].iter().zip(own);
                 pairs.map(|(a, b)| a.distance(*b)).fold(0.0, f64::max)
             }

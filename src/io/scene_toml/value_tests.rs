@@ -419,7 +419,7 @@ fn degrees_are_whole_numbers_that_can_be_degrees() {
     };
     let basis = |degree: &str| format!("[[plot]]\nshow.basis = {{ degree = {degree}, count = 4 }}");
     for (degree, found) in
-        [("33.0", "the number 33.0"), ("-1", "integer -1"), ("2.5", "the number 2.5")]
+        [("-2.0", "the number -2.0"), ("-1", "integer -1"), ("2.5", "the number 2.5")]
     {
         assert_eq!(
             error(&curve(degree)),

@@ -94,3 +94,41 @@ fn normals_at_extraordinary_vertices_are_those_of_small_faces_there() {
         }
     }
 }
+
+/// Also where a crease ends, at every corner of faces refined five times: a patch that is near
+/// enough may be turned, the more the smaller it is.
+#[test]
+fn normals_of_surfaces_for_pictures_are_near_everywhere() {
+    const LEVELS: u32 = 5;
+    let creases = vec![crease(61, 65, 5.0), crease(65, 69, 5.0)];
+    let short = CageParts { creases, ..sheet_parts(32, 4, bumpy) };
+    for (name, parts) in zoo().into_iter().chain([("short crease", short)]) {
+        let cage = cage(&parts).refined_catmull_clark(); // all quads
+        let probe = Probe::new(cage.catmull_clark(cage.default_tolerance()).unwrap());
+        let mut refined = cage.clone();
+        for _ in 0..LEVELS {
+            refined = refined.refined_catmull_clark();
+        }
+        let mut worst = 0.0_f64;
+        for (face, corners) in refined.catmull_clark_limits().iter().enumerate() {
+            // The face's square in that of its unit: the quads of a quad keep its directions.
+            let (mut unit, mut low, mut side) = (face, [0.0, 0.0], 1.0);
+            for _ in 0..LEVELS {
+                let [upper_u, upper_v] = [[0, 0], [1, 0], [1, 1], [0, 1]][unit % 4];
+                low = [low[0] + side * f64::from(upper_u), low[1] + side * f64::from(upper_v)];
+                (unit, side) = (unit / 4, 2.0 * side);
+            }
+            for (corner, [u, v]) in corners.iter().zip([[0., 0.], [1., 0.], [1., 1.], [0., 1.]]) {
+                let at = [(low[0] + u) / side, (low[1] + v) / side];
+                let (patch, u, v) = probe.patch(unit, at).unwrap();
+                let normals = corner.normal.zip(probe.surface(patch).normal(u, v));
+                if let Some((expected, found)) = normals {
+                    worst = worst.max(found.distance(expected));
+                }
+            }
+        }
+        // The corner of a single face on a smooth border has no sides that span a plane.
+        let bound = if name == "loose sheet" { 0.2 } else { 4e-3 };
+        assert!(worst < bound, "{name}: {worst}");
+    }
+}
