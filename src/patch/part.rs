@@ -101,7 +101,8 @@ impl PartNet {
     /// Hands over the parts of this part that are flat enough to be leaves and are not cut off by
     /// trims.
     pub(super) fn coarse_parts(mut self, piece: &Piece, done: &mut impl FnMut(Self)) {
-        // Where a certificate holds, roots are known to far less than the widening.
+        // Where a certificate holds, roots are known to far less than the widening; others are
+        // compared with the trims where their error reaches beyond it.
         let coverage = self.trims_of(piece).map_or(Coverage::Inside, |trims| {
             trims.classify(&piece.uv_box(self.on_piece(WIDENING)))
         });

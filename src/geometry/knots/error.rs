@@ -44,8 +44,9 @@ pub enum KnotError {
     },
     /// Fewer control points than a single span of a spline of this degree needs.
     #[error(
-        "{} of degree {degree}: at least {} are needed",
-        Counted(*.points, "point"), degree + 1
+        "{} of degree {degree}: at least {} are needed{}",
+        Counted(*.points, "point"), degree + 1,
+        if degree == points && *degree > 1 { " (or is this the order? The degree is one less)" } else { "" }
     )]
     TooFewPoints {
         /// The number of control points given, or implied by the number of knots.
@@ -68,6 +69,16 @@ pub enum KnotError {
         points: usize,
         /// The smallest number that makes a closed spline.
         needed: usize,
+    },
+    /// The control points of a closed spline end with those that closed splines repeat by
+    /// themselves.
+    #[error(
+        "the last {repeated} control points are the first {repeated} again: a periodic spline \
+         repeats them by itself, leave them out"
+    )]
+    Wrapped {
+        /// How many are repeated.
+        repeated: usize,
     },
     /// The number of a period's knots does not match the control points.
     #[error("{} for one period, but {} need {}", Counted(*.knots, "knot"), Counted(*.points, "point"), points.saturating_add(1))]

@@ -34,10 +34,17 @@ impl<'a> Reader<'a> {
             "corner" => self.corner(counts, integers, numbers),
             "interpolateboundary" => self.boundary(counts, integers),
             "creasemethod" if rest == ["normal"] || rest == ["uniform"] => Ok(()),
+            "creasemethod" => {
+                let message = format!(
+                    "creasemethod {}: normal or uniform is needed",
+                    rest.first().map_or_else(|| "of nothing".to_owned(), |word| shown(word))
+                );
+                Err(self.malformed(rest.first().unwrap_or(name), message))
+            }
             _ => {
                 let message = format!(
                     "tag {} is not understood: crease, corner, interpolateboundary and \
-                     creasemethod normal or uniform are",
+                     creasemethod are",
                     shown(name)
                 );
                 Err(self.malformed(name, message))

@@ -111,7 +111,11 @@ fn errors_name_line_and_column() {
         ),
         (
             "t wave 0/0/0",
-            "x.obj:16:3: tag \"wave\" is not understood: crease, corner, interpolateboundary and creasemethod normal or uniform are",
+            "x.obj:16:3: tag \"wave\" is not understood: crease, corner, interpolateboundary and creasemethod are",
+        ),
+        (
+            "t creasemethod 0/0/1 chaikin",
+            "x.obj:16:22: creasemethod \"chaikin\": normal or uniform is needed",
         ),
     ];
     for (line, message) in lines {

@@ -26,7 +26,7 @@ fn what_cannot_be_made_from_curves_is_told() {
         shape(
             "extrusion]\nprofile = { nurbs = { degree = 2, points = [[1, 0], [2, 0]] } }\nby = [0, 0, 1]"
         ),
-        "s.toml:4:44: surface \"cup\": profile: 2 points of degree 2: at least 3 are needed"
+        "s.toml:4:44: surface \"cup\": profile: 2 points of degree 2: at least 3 are needed (or is this the order? The degree is one less)"
     );
     assert_eq!(
         shape("ruled]\nfrom = { circle = { radius = -1 } }\nto = { circle = { radius = 1 } }"),
@@ -164,6 +164,29 @@ fn knots_by_name() {
     let curve = |curve: &str| {
         format!("[[object]]\nshape = {{ tube = {{ curve = {{ {curve} }}, radius = 0.1 }} }}")
     };
+    // Other programs write the repeated points, too.
+    let repeats = "the last 2 control points are the first 2 again: a periodic spline repeats them \
+                   by itself, leave them out";
+    let net = |points: &str, degree: &str, knots: &str| {
+        format!(
+            "[[object]]\nshape.nurbs = {{ degree = {degree}, {knots} = 'periodic', points = [{points}] }}"
+        )
+    };
+    let [x, y, z, w] = [[1, 0], [0, 1], [-1, 0], [0, -1]].map(|[x, y]| [[x, y, 0], [x, y, 2]]);
+    let columns = [0, 1].map(|k| [x, y, z, w, x, y].map(|row| row[k]));
+    assert_eq!(
+        error(&net(&again, "[2, 1]", "knots_u")),
+        format!("s.toml:2:65: surface \"nurbs\", direction u: {repeats}")
+    );
+    let columns = format!("{:?}, {:?}", columns[0], columns[1]);
+    assert_eq!(
+        error(&net(&columns, "[1, 2]", "knots_v")),
+        format!("s.toml:2:65: surface \"nurbs\", direction v: {repeats}")
+    );
+    let points = "degree = 2, points = [[1, 0], [0, 1], [-1, 0], [1, 0], [0, 1]]";
+    let twice = curve(&format!("nurbs = {{ {points}, knots = 'periodic' }}"));
+    assert_eq!(error(&twice), format!("s.toml:2:28: surface \"tube\": curve: {repeats}"));
+
     let points = "degree = 3, points = [[1, 0], [0, 1], [-1, 0], [0, -1]]";
     let tube =
         |knots: &str| World::new(&scene(&curve(&format!("nurbs = {{ {points}, {knots} }}"))));

@@ -6,7 +6,7 @@ use super::net::{knot_vector, wrapped};
 use super::transform::placed;
 use super::{Knots, NoteCircle, Place, Transform, TransformError, Written};
 use crate::geometry::shapes::{QuarticArc, QuarticConstants, circle_arc, quarter_circle_weighted};
-use crate::geometry::{CurveError, NurbsCurve, RationalBasis, with_repeated_ends};
+use crate::geometry::{CurveError, Direction, NurbsCurve, RationalBasis, with_repeated_ends};
 
 /// A curve as written, not yet checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -144,6 +144,10 @@ impl CurveSpec {
                 let vector = knot_vector(*degree, &knots.value, points.len())
                     .map_err(|error| CurveFault::Curve(knots.place.clone(), error.into()))?;
                 check_weights(points, weights.as_deref()).map_err(blame)?;
+                knots
+                    .value
+                    .check_period((points, [1, points.len()]), Direction::V, *degree)
+                    .map_err(|error| blame(error.into()))?;
                 let [given, needed] = [points.len(), vector.point_count()].map(|count| [1, count]);
                 let weights = weights.as_ref().map(|weights| wrapped(weights, given, needed));
                 NurbsCurve::new(vector, wrapped(points, given, needed), weights)

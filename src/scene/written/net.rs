@@ -70,6 +70,16 @@ impl Net {
     pub(in crate::scene) fn checked(&self) -> Result<NurbsSurface, NetFault> {
         let knots_u = self.knot_vector(Direction::U)?;
         let knots_v = self.knot_vector(Direction::V)?;
+        for direction in [Direction::U, Direction::V] {
+            let k = direction as usize;
+            self.knots[k]
+                .value
+                .check_period((&self.points.value, self.size), direction, self.degree[k])
+                .map_err(|error| NetFault {
+                    error: SurfaceError::Knots { direction, error },
+                    blame: Blame::Points,
+                })?;
+        }
         let around = [knots_u.point_count(), knots_v.point_count()];
         let points = wrapped(&self.points.value, self.size, around);
         let weights =
@@ -122,6 +132,32 @@ impl Knots {
     /// repeated.
     pub(in crate::scene) fn are_closed(&self) -> bool {
         matches!(self, Self::PeriodicUniform | Self::Periodic(_))
+    }
+
+    /// Checks that a grid of control points does not end, in the direction of these knots, with
+    /// those that a closed spline of this degree repeats by itself: other programs write them.
+    pub(super) fn check_period(
+        &self,
+        (points, size): (&[DVec3], [usize; 2]),
+        direction: Direction,
+        degree: usize,
+    ) -> Result<(), KnotError> {
+        // What does not fill the grid is refused elsewhere; a single repeated point does no harm.
+        let k = direction as usize;
+        let fills = size[0].checked_mul(size[1]) == Some(points.len());
+        if !(self.are_closed() && fills && 2 <= degree && degree < size[k]) {
+            return Ok(());
+        }
+        let at = |along: usize, across: usize| match direction {
+            Direction::U => points[along * size[1] + across],
+            Direction::V => points[across * size[1] + along],
+        };
+        let last = size[k] - degree;
+        let repeats = |i: usize| (0..size[1 - k]).all(|j| at(i, j) == at(last + i, j));
+        match (0..degree).all(repeats) {
+            true => Err(KnotError::Wrapped { repeated: degree }),
+            false => Ok(()),
+        }
     }
 }
 
