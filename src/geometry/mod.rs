@@ -77,4 +77,4 @@ pub use surface::{
     Direction, NurbsSurface, SurfaceCurvature, SurfaceDerivatives, SurfaceError, matrix_patch,
 };
 pub use triangle::{TriangleError, TrianglePatch, TriangleQuarter, TriangleSide};
-pub use trimmed::TrimmedSurface;
+pub use trimmed::{TrimEdge, TrimmedSurface};

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
-use super::TrimmedSurface;
+use super::{TrimEdge, TrimmedSurface};
 use crate::geometry::knots::MAX_DEGREE;
 use crate::geometry::trim::EdgePiece;
 use crate::geometry::{
@@ -27,33 +27,43 @@ impl TrimmedSurface {
     /// # Errors
     /// When that degree exceeds [`MAX_DEGREE`], or a weight or point is beyond the range of f64.
     pub fn edge_curves(&self) -> Result<Vec<NurbsCurve>, CurveError> {
+        Ok(self.edges()?.into_iter().map(TrimEdge::into_curve).collect())
+    }
+
+    /// The [trim edges in space](Self::edge_curves), with their curves in (u, v).
+    ///
+    /// # Errors
+    /// As [`TrimmedSurface::edge_curves`].
+    pub fn edges(&self) -> Result<Vec<TrimEdge>, CurveError> {
         let form = Pieces::new(self.surface());
         let cuts = form.lines.each_ref().map(Vec::as_slice);
-        let mut curves = Vec::new();
+        let mut edges = Vec::new();
         for chain in self.trims().edge_chains(cuts) {
-            let mut parts: Vec<Vec<DVec4>> = Vec::new();
-            for piece in &chain {
-                let lifted = form.lifted(piece)?;
+            let mut parts: Vec<(Vec<DVec4>, Vec<Vec<DVec3>>)> = Vec::new();
+            let degree = chain.first().map_or(1, |piece| form.degree(piece));
+            for piece in chain {
+                let lifted = form.lifted(&piece)?;
                 match parts.last_mut() {
-                    Some(part) if form.joins(part, &lifted) => append(part, lifted),
-                    _ => parts.push(lifted),
+                    Some((part, pieces)) if form.joins(part, &lifted) => {
+                        append(part, lifted);
+                        pieces.push(piece.control);
+                    }
+                    _ => parts.push((lifted, vec![piece.control])),
                 }
             }
-            let Some(piece) = chain.first() else { continue };
-            let degree = form.degree(piece);
-            for part in parts {
+            for (part, pieces) in parts {
                 let mut knots = vec![0.0];
-                for k in 0..=(part.len() - 1) / degree {
+                for k in 0..=pieces.len() {
                     knots.extend(vec![k as f64; degree]);
                 }
-                knots.push(((part.len() - 1) / degree) as f64);
+                knots.push(pieces.len() as f64);
                 let curve = NurbsCurve::from_homogeneous(KnotVector::new(degree, knots)?, part)?;
                 if !curve.is_point() {
-                    curves.push(curve);
+                    edges.push(TrimEdge::new(curve, pieces));
                 }
             }
         }
-        Ok(curves)
+        Ok(edges)
     }
 
     /// The kept stretches of the curve `v ↦ S(u, v)` at `u = at`, or for [`Direction::V`] of
