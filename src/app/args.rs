@@ -257,7 +257,8 @@ pub(crate) struct CastArguments {
     pub(crate) output: PathBuf,
 
     /// Every hit of each ray, not only the first; where surfaces meet at borders,
-    /// poles or trim edges, one row for each crossing
+    /// poles or trim edges, one row for each crossing, if their normals point to the
+    /// same side there (`nurbray info` tells)
     #[arg(long)]
     pub(crate) all: bool,
 

@@ -81,6 +81,19 @@ impl Border {
         if self.fixed == 0 { (at, t) } else { (t, at) }
     }
 
+    /// The vector in (u, v) along the border that has the surface on its left: up along the last
+    /// u, and so around the domain.
+    pub(crate) fn around(&self, surface: &NurbsSurface) -> DVec2 {
+        let across = if self.fixed == 0 { surface.knots_u() } else { surface.knots_v() };
+        let is_last = self.before || self.at == across.domain().1;
+        match (self.fixed, is_last) {
+            (0, true) => DVec2::Y,
+            (0, false) => DVec2::NEG_Y,
+            (_, true) => DVec2::NEG_X,
+            (_, false) => DVec2::X,
+        }
+    }
+
     /// The knots of the parameter that runs.
     pub(crate) fn knots<'a>(&self, surface: &'a NurbsSurface) -> &'a KnotVector {
         if self.fixed == 0 { surface.knots_v() } else { surface.knots_u() }

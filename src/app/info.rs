@@ -1,5 +1,6 @@
-//! `nurbray info`: what a scene or model holds, how its borders fit, what is not shown.
+//! `nurbray info`: what a scene or model holds, how its borders fit and its surfaces are turned, what is not shown.
 
+mod around;
 mod border_curve;
 mod chain;
 mod edges;
@@ -10,7 +11,11 @@ mod nearest;
 mod nearness;
 mod neighbours;
 mod side;
+mod source;
 mod text;
+mod turns;
+#[cfg(test)]
+mod turns_tests;
 mod which;
 
 use std::process::ExitCode;
@@ -26,6 +31,7 @@ use super::failure::Failure;
 use super::{console, input};
 use facts::{Facts, SurfaceFacts};
 use gaps::Gap;
+use turns::Turned;
 
 /// Runs the subcommand.
 pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
@@ -78,6 +84,10 @@ pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
             "edges_left_out": fit.left_out.iter().map(|(surface, error)| {
                 json!({ "surface": surface, "why": error.to_string() })
             }).collect::<Value>(),
+            "turns": {
+                "judged": fit.turns.judged,
+                "opposite": fit.turns.opposite.iter().map(turned_json).collect::<Value>(),
+            },
             "gaps": fit.gaps.iter().map(|gap| gap_json(gap, facts.size())).collect::<Value>(),
             "not_imported": not_imported.collect::<Value>(),
         }))?;
@@ -136,6 +146,14 @@ fn surface_json(surface: &SurfaceFacts) -> Value {
 
 fn bounds_json(bounds: Aabb) -> Value {
     json!([bounds.min.to_array(), bounds.max.to_array()])
+}
+
+fn turned_json(pair: &Turned) -> Value {
+    json!({
+        "surfaces": pair.edges.map(|edge| edge.surface),
+        "edges": pair.edges.map(|edge| edge.which.to_string()),
+        "at": pair.at.to_array(),
+    })
 }
 
 fn gap_json(gap: &Gap, size: f64) -> Value {

@@ -231,3 +231,44 @@ fn people_get_tables() {
     );
     assert!(text.ends_with("everything in the file was imported\n"), "{text}");
 }
+
+/// Two squares beside each other, of which one is turned over.
+#[test]
+fn surfaces_turned_opposite_ways_are_named() {
+    let scene = |reverse: bool| {
+        format!(
+            "[[object]]\nname = \"left\"\n[object.shape.nurbs]\ndegree = [1, 1]\n\
+             points = [[[-1, 0, 0], [-1, 1, 0]], [[0, 0, 0], [0, 1, 0]]]\n\
+             [[object]]\nname = \"right\"\nreverse = {reverse}\n\
+             [object.shape.nurbs]\ndegree = [1, 1]\n\
+             points = [[[0, 0, 0], [1, 0, 0]], [[0, 1, 0], [1, 1, 0]]]\n"
+        )
+    };
+    let (torn, mended) = (scene(false), scene(true));
+    let sandbox = Sandbox::with(&[("torn.toml", &torn), ("mended.toml", &mended)]);
+    let json = sandbox.run("info torn.toml --json").succeeded().json();
+    let (turns, pair) = (&json["turns"], &json["turns"]["opposite"][0]);
+    assert_eq!(
+        (turns["judged"].as_u64(), turns["opposite"].as_array().unwrap().len()),
+        (Some(1), 1)
+    );
+    assert_eq!(pair["surfaces"], json!([0, 1]));
+    assert_eq!(pair["edges"], json!(["u = 1", "v = 0"]));
+    assert_eq!((&pair["at"][0], &pair["at"][2]), (&json!(0.0), &json!(0.0)));
+    assert_eq!(json["borders"]["meeting"], 2);
+    let text = sandbox.run("info torn.toml").succeeded().stdout;
+    let named = "\n1 of 1 pair of meeting borders with surfaces turned opposite ways:\n  \
+                 0 left, u = 1  | 1 right, v = 0  at (0, ";
+    assert!(text.contains(named), "{text}");
+    assert!(text.contains("`reverse = true` turns all surfaces of an object\n"), "{text}");
+
+    let json = sandbox.run("info mended.toml --json").succeeded().json();
+    assert_eq!(json["turns"], json!({ "judged": 1, "opposite": [] }));
+    let text = sandbox.run("info mended.toml").succeeded().stdout;
+    assert!(
+        text.contains(
+            "\n1 pair of meeting borders with surfaces turned alike, none opposite ways\n"
+        ),
+        "{text}"
+    );
+}

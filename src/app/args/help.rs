@@ -320,6 +320,15 @@ Parts of borders that trims cut off do not count, nor parts along which a trim
 edge runs, nor do the parts of one tube, ribbon or net, which run into each
 other.
 
+Turns: surfaces that meet are turned alike where the borders of both, each run
+through with its surface on the left as seen from the tip of S_u x S_v, run
+against each other, at whatever angle the surfaces meet. Closed models need
+that: at other borders `cast --all` has too many crossings, or too few. `reverse
+= true` turns all surfaces of an object; a surface that meets itself so, as a
+Moebius strip does, has one side only. Judged are stretches along which two
+borders meet to within rounding, and no third. Surfaces that lie on each other
+there, and parts of one tube, ribbon or net, are not judged.
+
 Bounds: the tight boxes of the surfaces themselves, not of their control points
 or leaves, to 1e-12 of their size (1e-9 where a surface touches its box along a
 curve askew to u and v). The box of a trimmed surface holds its leaves, as far
@@ -348,6 +357,9 @@ With --json one object:
                  nearly_meeting, free
   edges_left_out a list of surfaces whose trim edges are not among these, with
                  the reason: surface, why
+  turns          judged (pairs of borders), opposite (a list of those with
+                 surfaces turned opposite ways: surfaces [i, j], edges,
+                 at [x, y, z])
   gaps           a list, the widest first: surfaces [i, j], edges, width,
                  relative (to the size of the bounding box), at [x, y, z]
   not_imported   a list: file, line, column (null where unknown), what, why

@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use nurbray::geometry::{Chart, KnotVector, NurbsCurve, NurbsSurface};
+use nurbray::geometry::{Chart, NurbsCurve, TrianglePatch, TriangleSide, TrimEdge, TrimmedSurface};
 use nurbray::math::Aabb;
 
 use super::super::border::Border;
+use super::around::Around;
 use super::chain::Chain;
+use super::source::Source;
 
 /// The least number of intervals a border is sampled in. Spans get equal numbers of intervals,
 /// and long spans more.
@@ -21,61 +23,10 @@ const ROUNDS: usize = 6;
 /// one of 32 intervals, so six would do for a smooth piece; the rest are for corners.
 const STEPS: usize = 16;
 
-/// What a curve is made from.
-#[derive(Debug)]
-enum Source<'a> {
-    /// A border of a surface, and the ranges of its parameter where trims keep it.
-    Border {
-        surface: &'a NurbsSurface,
-        border: Border,
-        kept: Vec<[f64; 2]>,
-        /// The border alone, where it is simpler than the surface.
-        row: Option<NurbsCurve>,
-    },
-    /// A side of a triangle, or a part of a trim edge between two corners.
-    Edge(Arc<NurbsCurve>),
-}
-
-impl Source<'_> {
-    fn knots(&self) -> &KnotVector {
-        match self {
-            Self::Border { surface, border, .. } => border.knots(surface),
-            Self::Edge(curve) => curve.knots(),
-        }
-    }
-
-    fn point(&self, t: f64) -> DVec3 {
-        match self {
-            Self::Border { surface, border, .. } => border.point(surface, t),
-            Self::Edge(curve) => curve.point_at(t),
-        }
-    }
-
-    /// The point at `t`, and its derivative.
-    fn tangent(&self, t: f64) -> (DVec3, DVec3) {
-        match self {
-            Self::Border { surface, border, row: None, .. } => border.tangent(surface, t),
-            Self::Border { row: Some(row), .. } => along(row, t),
-            Self::Edge(curve) => along(curve, t),
-        }
-    }
-
-    /// Whether the surface ends at this curve's point at `t`.
-    fn keeps(&self, t: f64) -> bool {
-        let Self::Border { kept, .. } = self else { return true };
-        kept.iter().any(|&[from, to]| from <= t && t <= to)
-    }
-}
-
-fn along(curve: &NurbsCurve, t: f64) -> (DVec3, DVec3) {
-    let at = curve.derivatives(t);
-    (at.point, at.first)
-}
-
 /// A point of a curve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
-    t: f64,
+    pub(crate) t: f64,
     pub(crate) point: DVec3,
     /// The part of the curve's length that the sample stands for: half of the way to the samples
     /// before and behind.
@@ -102,6 +53,8 @@ pub(crate) struct BorderCurve<'a> {
 /// The point of a curve nearest to another point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Foot {
+    /// Its parameter.
+    pub(crate) t: f64,
     pub(crate) point: DVec3,
     /// How far away it is.
     pub(crate) distance: f64,
@@ -118,20 +71,22 @@ impl<'a> BorderCurve<'a> {
     }
 
     /// Samples a side of a triangle.
-    pub(crate) fn of_side(side: NurbsCurve) -> Self {
-        let domain = side.domain();
-        Self::sampled(Source::Edge(Arc::new(side)), domain)
+    pub(crate) fn of_side(patch: &'a TrianglePatch, side: TriangleSide) -> Self {
+        let curve = patch.side(side);
+        let domain = curve.domain();
+        Self::sampled(Source::Side { patch, side, curve }, domain)
     }
 
     /// Samples a trim edge, corner by corner. Leaves out parts that are points, to within
     /// `rounding`, as along a pole.
-    pub(crate) fn of_edge(edge: NurbsCurve, rounding: f64) -> Vec<Self> {
-        let (start, end) = edge.domain();
-        let corners = corners(&edge, rounding);
+    pub(crate) fn of_edge(trimmed: &'a TrimmedSurface, edge: TrimEdge, rounding: f64) -> Vec<Self> {
+        let (start, end) = edge.curve().domain();
+        let corners = corners(edge.curve(), rounding);
         let edge = Arc::new(edge);
         let stops: Vec<f64> = [start].into_iter().chain(corners).chain([end]).collect();
-        let part =
-            |pair: &[f64]| Self::sampled(Source::Edge(Arc::clone(&edge)), (pair[0], pair[1]));
+        let part = |pair: &[f64]| {
+            Self::sampled(Source::Edge { trimmed, edge: Arc::clone(&edge) }, (pair[0], pair[1]))
+        };
         stops.windows(2).map(part).filter(|part| part.length > rounding).collect()
     }
 
@@ -228,19 +183,24 @@ impl<'a> BorderCurve<'a> {
             (way.length(), a.t + share * (b.t - a.t))
         };
         let nearest = self.chain.nearest(point, reach, |k| from(k).0)?;
-        let (foot, beyond, t) = self.refined(point, from(nearest).1);
+        let (foot, beyond) = self.refined(point, from(nearest).1);
         let there = foot.distance <= near && beyond <= foot.distance.max(near) * BEYOND;
-        (there && self.source.keeps(t)).then_some(foot)
+        (there && self.source.keeps(foot.t)).then_some(foot)
     }
 
-    /// Searches from `t` on for the point of the curve nearest to `point`. Returns it, how far
-    /// `point` lies beyond an end, along the curve, and the parameter of the nearest point.
+    /// Which way the curve runs around its surface at `t`; `None` where that cannot be told.
+    pub(super) fn around(&self, t: f64) -> Option<Around> {
+        self.source.around(t)
+    }
+
+    /// Searches from `t` on for the point of the curve nearest to `point`. Returns it, and how far
+    /// `point` lies beyond an end, along the curve.
     ///
     /// Gauss–Newton: `C(t + δ) ≈ C + δ C'` is nearest for `δ = (point − C) · C' / |C'|²`. On
     /// curves that meet, the residual is 0 and convergence quadratic.
-    fn refined(&self, point: DVec3, mut t: f64) -> (Foot, f64, f64) {
+    fn refined(&self, point: DVec3, mut t: f64) -> (Foot, f64) {
         let (start, end) = self.domain;
-        let mut best = (Foot { point, distance: f64::INFINITY }, 0.0, t);
+        let mut best = (Foot { t, point, distance: f64::INFINITY }, 0.0);
         for _ in 0..STEPS {
             let (on_curve, speed) = self.source.tangent(t);
             let step = (point - on_curve).dot(speed) / speed.length_squared();
@@ -250,7 +210,7 @@ impl<'a> BorderCurve<'a> {
             };
             let distance = point.distance(on_curve);
             if distance < best.0.distance {
-                best = (Foot { point: on_curve, distance }, beyond, t);
+                best = (Foot { t, point: on_curve, distance }, beyond);
             }
             let next = (t + step).clamp(start, end);
             if next == t || next.is_nan() {
@@ -308,7 +268,7 @@ fn to_segment(point: DVec3, [a, b]: [DVec3; 2]) -> (DVec3, f64) {
 
 #[cfg(test)]
 mod tests {
-    use nurbray::geometry::shapes;
+    use nurbray::geometry::{KnotVector, NurbsCurve, shapes};
 
     use super::*;
 
@@ -345,7 +305,7 @@ mod tests {
             knots.push((count - 1) as f64);
             let points = points.iter().map(|p| DVec3::new(p[0], p[1], 0.0)).collect();
             let edge = KnotVector::new(1, knots).unwrap();
-            BorderCurve::of_edge(NurbsCurve::new(edge, points, None).unwrap(), tiny).len()
+            corners(&NurbsCurve::new(edge, points, None).unwrap(), tiny).len() + 1
         };
         assert_eq!(parts(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]), 1);
         assert_eq!(parts(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), 2);

@@ -1,6 +1,6 @@
 //! The borders and trim edges of surfaces.
 
-use nurbray::geometry::{Chart, CurveError, Surface, TrimmedSurface};
+use nurbray::geometry::{Chart, CurveError, Surface};
 use rayon::prelude::*;
 
 use super::super::border::rounding;
@@ -29,11 +29,13 @@ pub(super) struct Edges<'a> {
     pub(super) left_out: Vec<(usize, CurveError)>,
     /// The error bound of a point of each surface.
     rounding: Vec<f64>,
+    /// The largest of these.
+    largest_rounding: f64,
 }
 
 impl<'a> Edges<'a> {
     /// Collects the edges of surfaces with these charts.
-    pub(super) fn of(surfaces: &[Surface], charts: &'a [Vec<Chart<'a>>]) -> Self {
+    pub(super) fn of(surfaces: &'a [Surface], charts: &'a [Vec<Chart<'a>>]) -> Self {
         let largest = |charts: &Vec<Chart<'_>>| {
             charts.iter().map(|chart| rounding(&chart.surface)).fold(0.0, f64::max)
         };
@@ -52,11 +54,12 @@ impl<'a> Edges<'a> {
 
         let (mut left_out, borders) = (Vec::new(), curves.len());
         for (surface, one) in surfaces.iter().enumerate() {
-            match one.trimmed().map(TrimmedSurface::edge_curves).unwrap_or(Ok(Vec::new())) {
+            let Some(trimmed) = one.trimmed() else { continue };
+            match trimmed.edges() {
                 Ok(edges) => {
                     let parts = edges
                         .into_iter()
-                        .flat_map(|edge| BorderCurve::of_edge(edge, rounding[surface]));
+                        .flat_map(|edge| BorderCurve::of_edge(trimmed, edge, rounding[surface]));
                     curves.extend(parts.enumerate().map(|(number, curve)| {
                         (Edge { surface, which: Which::Trim(number) }, curve)
                     }));
@@ -65,7 +68,13 @@ impl<'a> Edges<'a> {
             }
         }
         let trim_edges = curves.len() - borders;
-        Self { curves, collapsed, trim_edges, left_out, rounding }
+        let largest_rounding = rounding.iter().copied().fold(0.0, f64::max);
+        Self { curves, collapsed, trim_edges, left_out, rounding, largest_rounding }
+    }
+
+    /// At most how far apart rounding may put points where any two curves meet.
+    pub(super) fn most_rounding(&self) -> f64 {
+        2.0 * self.largest_rounding
     }
 
     /// How far apart rounding may put points where two curves meet.

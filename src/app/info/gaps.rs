@@ -6,7 +6,10 @@ use glam::DVec3;
 use nurbray::geometry::{Chart, Charts, CurveError, Surface};
 
 use super::edges::{Edge, Edges};
+use super::nearest::Crowd;
+use super::nearness::Nearness;
 use super::neighbours::{Beside, Widest, side_by_side};
+use super::turns::Turns;
 
 /// Two borders that run side by side without meeting.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +40,8 @@ pub(crate) struct Fit {
     pub(crate) free: usize,
     /// The gaps, the widest first.
     pub(crate) gaps: Vec<Gap>,
+    /// How the surfaces are turned where two borders meet.
+    pub(crate) turns: Turns,
     /// Surfaces whose trim edges are not among these, with the reason.
     pub(crate) left_out: Vec<(usize, CurveError)>,
 }
@@ -45,26 +50,32 @@ pub(crate) struct Fit {
 /// between: see [`nearest`](super::nearest).
 ///
 /// `drawings` gives the drawing (a tube, a net) that each surface belongs to, if any. Tubes and
-/// joints of one drawing run into each other, so borders that nearly meet there have no gap.
+/// joints of one drawing run into each other, so borders that nearly meet there have no gap, and
+/// those that meet are not judged.
 /// `sizes` are the sizes of the objects that the surfaces belong to.
 pub(crate) fn fit(surfaces: &[Surface], drawings: &[Option<[usize; 2]>], sizes: &[f64]) -> Fit {
     let charts: Vec<Vec<Chart<'_>>> = surfaces.iter().map(Charts::charts).collect();
     let edges = Edges::of(surfaces, &charts);
+    let nearness = Nearness::new(&edges, sizes);
+    let crowd = Crowd::new(&edges, &nearness);
+    let is_drawn = |two: [Edge; 2]| {
+        let [a, b] = two.map(|edge| drawings.get(edge.surface).copied().flatten());
+        a.is_some() && a == b
+    };
     let mut meeting = BTreeSet::new();
     let mut beside = BTreeSet::new();
     let mut gaps = Vec::new();
-    for (pair, Beside { met, open }) in side_by_side(&edges, sizes) {
+    for (pair, Beside { met, open }) in side_by_side(&crowd) {
         let two = pair.map(|k| edges.curves[k].0);
-        let [a, b] = two.map(|edge| drawings.get(edge.surface).copied().flatten());
         if met {
             meeting.extend(pair);
-        } else if let Some(Widest { distance: width, at }) = open.filter(|_| a.is_none() || a != b)
-        {
+        } else if let Some(Widest { distance: width, at }) = open.filter(|_| !is_drawn(two)) {
             beside.extend(pair);
             gaps.push(Gap { edges: two, width, at });
         }
     }
     gaps.sort_by(|a, b| b.width.total_cmp(&a.width)); // stable: equal ones keep their order
+    let turns = Turns::of(&crowd, |pair| !is_drawn(pair));
     let nearly = beside.difference(&meeting).count();
     let Edges { curves, collapsed, trim_edges, left_out, .. } = edges;
     Fit {
@@ -75,6 +86,7 @@ pub(crate) fn fit(surfaces: &[Surface], drawings: &[Option<[usize; 2]>], sizes: 
         nearly,
         free: curves.len() - meeting.len() - nearly,
         gaps,
+        turns,
         left_out,
     }
 }

@@ -45,16 +45,10 @@ impl View {
     }
 }
 
-/// What each curve sees.
-pub(super) fn views(edges: &Edges<'_>, nearness: &Nearness<'_>) -> Vec<View> {
-    let crowd = Crowd::new(edges, nearness);
-    (0..edges.curves.len()).into_par_iter().map(|curve| crowd.view(curve)).collect()
-}
-
 /// All curves in a hierarchy of boxes.
-struct Crowd<'a> {
-    edges: &'a Edges<'a>,
-    nearness: &'a Nearness<'a>,
+pub(super) struct Crowd<'a> {
+    pub(super) edges: &'a Edges<'a>,
+    pub(super) nearness: &'a Nearness<'a>,
     nodes: Vec<Node>,
 }
 
@@ -76,7 +70,7 @@ enum Content {
 }
 
 impl<'a> Crowd<'a> {
-    fn new(edges: &'a Edges<'a>, nearness: &'a Nearness<'a>) -> Self {
+    pub(super) fn new(edges: &'a Edges<'a>, nearness: &'a Nearness<'a>) -> Self {
         let part = |(curve, reach): (usize, f64), bounds: &Aabb| Node {
             bounds: *bounds,
             reach,
@@ -93,6 +87,48 @@ impl<'a> Crowd<'a> {
             divide(0, &mut parts, &mut nodes);
         }
         Self { edges, nearness, nodes }
+    }
+
+    /// What each curve sees.
+    pub(super) fn views(&self) -> Vec<View> {
+        (0..self.edges.curves.len()).into_par_iter().map(|curve| self.view(curve)).collect()
+    }
+
+    /// The other curve that meets a curve at one of its samples, and where; `None` if none does,
+    /// or several do.
+    pub(super) fn only_met(&self, [curve, sample]: [usize; 2]) -> Option<(usize, Foot)> {
+        let from = &self.edges.curves[curve].1.samples()[sample];
+        if !from.kept {
+            return None;
+        }
+        let reach = self.edges.most_rounding();
+        let (mut met, mut waiting) = (None, vec![0]);
+        while let Some(node) = waiting.pop() {
+            if self.waiting(node, from.point, reach).is_none() {
+                continue;
+            }
+            let other = match self.nodes[node].content {
+                Content::Nodes(first) => {
+                    waiting.extend([first, first + 1]);
+                    continue;
+                }
+                Content::Curve(other) => other,
+            };
+            let is_known = met.is_some_and(|(known, _)| known == other);
+            if other == curve || is_known {
+                continue;
+            }
+            let near = self.nearness.of([curve, other]);
+            let foot = self.edges.curves[other].1.nearest(from.point, near);
+            let Some(foot) = foot.filter(|&foot| self.meets([curve, other], foot)) else {
+                continue;
+            };
+            if met.is_some() {
+                return None;
+            }
+            met = Some((other, foot));
+        }
+        met
     }
 
     fn view(&self, curve: usize) -> View {
@@ -256,7 +292,7 @@ enum What {
 }
 
 impl Waiting {
-    fn foot(other: usize, Foot { point, distance }: Foot) -> Self {
+    fn foot(other: usize, Foot { point, distance, .. }: Foot) -> Self {
         Self { distance, what: What::Foot(other, point) }
     }
 

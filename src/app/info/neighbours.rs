@@ -4,8 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::edges::Edges;
-use super::nearest::{self, View};
-use super::nearness::Nearness;
+use super::nearest::{Crowd, View};
 
 /// The share of a border's length that must be near the other for the two to run side by
 /// side. Two borders that meet at a corner of more than 12° have a smaller share: 0.05 / sin 12°.
@@ -24,8 +23,8 @@ struct Neighbours {
 
 impl Neighbours {
     /// All pairs that lie beside each other with none between.
-    fn all(edges: &Edges<'_>, nearness: &Nearness<'_>) -> Vec<Self> {
-        let views = nearest::views(edges, nearness);
+    fn all(crowd: &Crowd<'_>) -> Vec<Self> {
+        let (edges, views) = (crowd.edges, crowd.views());
         let seen = |(curve, view): (usize, &View)| -> Vec<[usize; 2]> {
             view.others.iter().map(|&other| [curve.min(other), curve.max(other)]).collect()
         };
@@ -34,7 +33,7 @@ impl Neighbours {
         pairs.dedup();
         let looked_at = |&pair: &[usize; 2]| {
             let [a, b] = pair;
-            let near = nearness.of(pair);
+            let near = crowd.nearness.of(pair);
             let distances = [[a, b], [b, a]].map(|two| distances(edges, two, near, &views[two[0]]));
             let apart = distances.iter().all(Vec::is_empty);
             (!apart).then(|| Self { pair, distances, rounding: edges.rounding(pair) })
@@ -76,8 +75,8 @@ impl Neighbours {
 }
 
 /// The pairs that run side by side, and how.
-pub(super) fn side_by_side(edges: &Edges<'_>, sizes: &[f64]) -> Vec<([usize; 2], Beside)> {
-    let neighbours = Neighbours::all(edges, &Nearness::new(edges, sizes));
+pub(super) fn side_by_side(crowd: &Crowd<'_>) -> Vec<([usize; 2], Beside)> {
+    let (edges, neighbours) = (crowd.edges, Neighbours::all(crowd));
     // For each curve, the samples where another one meets it: rays cannot pass there.
     let mut joints: Vec<Vec<bool>> =
         edges.curves.iter().map(|(_, curve)| vec![false; curve.samples().len()]).collect();

@@ -1,7 +1,7 @@
 //! The borders of a surface: sides of its charts, or the three sides of a triangle.
 
 use glam::DVec3;
-use nurbray::geometry::{Chart, NurbsCurve, Surface, TriangleSide};
+use nurbray::geometry::{Chart, Surface, TrianglePatch, TriangleSide};
 
 use super::super::border::Border;
 use super::border_curve::BorderCurve;
@@ -12,15 +12,15 @@ pub(super) enum Side<'a> {
     /// A border of a chart, or of a knot in it where the surface may jump.
     OfChart(&'a Chart<'a>, Border),
     /// A side of a triangle, of which two charts have a half each.
-    OfTriangle(TriangleSide, NurbsCurve),
+    OfTriangle(&'a TrianglePatch, TriangleSide),
 }
 
 impl<'a> Side<'a> {
     /// The borders of a surface with these charts.
-    pub(super) fn all(surface: &Surface, charts: &'a [Chart<'a>]) -> Vec<Self> {
+    pub(super) fn all(surface: &'a Surface, charts: &'a [Chart<'a>]) -> Vec<Self> {
         if let Surface::Triangle(patch) = surface {
             let sides = [TriangleSide::U, TriangleSide::V, TriangleSide::W];
-            return sides.map(|side| Self::OfTriangle(side, patch.side(side))).into();
+            return sides.map(|side| Self::OfTriangle(patch, side)).into();
         }
         let of_chart = |chart: &'a Chart<'a>| {
             let borders = Border::of(chart).chain(Border::inner(chart));
@@ -33,7 +33,7 @@ impl<'a> Side<'a> {
     pub(super) fn which(&self) -> Which {
         match self {
             Self::OfChart(_, border) => Which::Border(*border),
-            Self::OfTriangle(side, _) => Which::Side(*side),
+            Self::OfTriangle(_, side) => Which::Side(*side),
         }
     }
 
@@ -44,7 +44,7 @@ impl<'a> Side<'a> {
         }
         match self {
             Self::OfChart(chart, border) => BorderCurve::new(chart, *border),
-            Self::OfTriangle(_, side) => Some(BorderCurve::of_side(side.clone())),
+            Self::OfTriangle(patch, side) => Some(BorderCurve::of_side(patch, *side)),
         }
     }
 
@@ -59,7 +59,10 @@ impl<'a> Side<'a> {
     fn pole(&self) -> Option<DVec3> {
         match self {
             Self::OfChart(chart, border) => border.pole(&chart.surface),
-            Self::OfTriangle(_, side) => side.is_point().then(|| side.point(0)),
+            Self::OfTriangle(patch, side) => {
+                let curve = patch.side(*side);
+                curve.is_point().then(|| curve.point(0))
+            }
         }
     }
 }

@@ -11,11 +11,12 @@ use super::super::table::{count, long_point, short, short_bytes, short_point, ta
 use super::edges::Edge;
 use super::extent::tolerance;
 use super::facts::{Facts, SurfaceFacts};
-use super::gaps::Fit;
+use super::gaps::{Fit, Gap};
 use super::nearness::{NEAR, NEAR_SMALLER};
+use super::turns::{Turned, Turns};
 
-/// More gaps than this are counted, not listed: `--json` has them all.
-const GAPS_LISTED: usize = 20;
+/// More gaps or pairs than this are counted, not listed: `--json` has them all.
+const LISTED: usize = 20;
 
 /// Gaps in trim loops that are no wider come from numbers written with seven digits.
 const SEVEN_DIGITS: f64 = 1e-6;
@@ -176,38 +177,75 @@ fn borders(fit: &Fit, facts: &Facts) -> String {
              their curves in space: {error}"
         );
     }
-    if fit.gaps.is_empty() {
-        let _ = writeln!(
-            text,
-            "no gaps up to {NEAR:e} of the size of the objects (between two, of the larger one's, and \
-             {NEAR_SMALLER:e} of the smaller one's)"
-        );
-        return text;
-    }
-    let _ = writeln!(text, "{}, widest first:", count(fit.gaps.len() as u64, "gap"));
-    let edge = |edge: &Edge| {
-        let name = &facts.surfaces[edge.surface].name;
-        format!("{} {name}, {}", edge.surface, edge.which)
-    };
-    let rows: Vec<Vec<String>> = fit
-        .gaps
-        .iter()
-        .take(GAPS_LISTED)
-        .map(|gap| {
-            let relative = gap.width / facts.size();
-            vec![
-                format!("  {}", edge(&gap.edges[0])),
-                format!("| {}", edge(&gap.edges[1])),
-                format!("{:.2e} ({relative:.1e} of the size)", gap.width),
-                format!("at {}", short_point(gap.at)),
-            ]
-        })
-        .collect();
-    text += &table(&rows, &[0, 1, 2, 3]);
-    if let Some(more) = fit.gaps.len().checked_sub(GAPS_LISTED).filter(|&more| more > 0) {
-        let _ = writeln!(text, "  and {more} more (--json lists all)");
-    }
+    text += &turned(fit, facts);
+    text += &gaps(fit, facts);
     text
+}
+
+/// The pairs of borders that meet with surfaces turned opposite ways.
+fn turned(fit: &Fit, facts: &Facts) -> String {
+    let Turns { judged, opposite } = &fit.turns;
+    if *judged == 0 {
+        return String::new();
+    }
+    let judged = count(*judged as u64, "pair");
+    if opposite.is_empty() {
+        return format!(
+            "{judged} of meeting borders with surfaces turned alike, none opposite ways\n"
+        );
+    }
+    let mut text = format!(
+        "{} of {judged} of meeting borders with surfaces turned opposite ways:\n",
+        opposite.len()
+    );
+    let row = |pair: &Turned| {
+        let [a, b] = pair.edges;
+        let one_sided = if a.surface == b.surface { "  (a surface with one side)" } else { "" };
+        vec![
+            format!("  {}", edge(&a, facts)),
+            format!("| {}", edge(&b, facts)),
+            format!("at {}{one_sided}", short_point(pair.at)),
+        ]
+    };
+    let rows: Vec<Vec<String>> = opposite.iter().take(LISTED).map(row).collect();
+    text += &table(&rows, &[0, 1, 2]);
+    text += &more(opposite.len());
+    text + "  there, `cast --all` may miscount; `reverse = true` turns all surfaces of an object\n"
+}
+
+fn gaps(fit: &Fit, facts: &Facts) -> String {
+    if fit.gaps.is_empty() {
+        return format!(
+            "no gaps up to {NEAR:e} of the size of the objects (between two, of the larger one's, and \
+             {NEAR_SMALLER:e} of the smaller one's)\n"
+        );
+    }
+    let mut text = format!("{}, widest first:\n", count(fit.gaps.len() as u64, "gap"));
+    let row = |gap: &Gap| {
+        let relative = gap.width / facts.size();
+        vec![
+            format!("  {}", edge(&gap.edges[0], facts)),
+            format!("| {}", edge(&gap.edges[1], facts)),
+            format!("{:.2e} ({relative:.1e} of the size)", gap.width),
+            format!("at {}", short_point(gap.at)),
+        ]
+    };
+    let rows: Vec<Vec<String>> = fit.gaps.iter().take(LISTED).map(row).collect();
+    text += &table(&rows, &[0, 1, 2, 3]);
+    text + &more(fit.gaps.len())
+}
+
+/// Names a border and its surface.
+fn edge(edge: &Edge, facts: &Facts) -> String {
+    format!("{} {}, {}", edge.surface, facts.surfaces[edge.surface].name, edge.which)
+}
+
+/// Says how many of a list are not shown, if any.
+fn more(all: usize) -> String {
+    match all.checked_sub(LISTED) {
+        None | Some(0) => String::new(),
+        Some(more) => format!("  and {more} more (--json lists all)\n"),
+    }
 }
 
 fn not_imported(notes: &[ImportNote]) -> String {
