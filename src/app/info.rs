@@ -1,4 +1,5 @@
-//! `nurbray info`: what a scene or model holds, how its borders fit and its surfaces are turned, what is not shown.
+//! `nurbray info`: what a scene or model holds, how its borders fit and its surfaces are turned,
+//! what is not shown.
 
 mod around;
 mod border_curve;

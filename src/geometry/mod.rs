@@ -64,11 +64,11 @@ pub use curve::{
     CornerCutting, CurveDerivatives, CurveError, MAX_REPEATED, MatrixForm, NurbsCurve, PolygonEnds,
     RationalBasis, with_repeated_ends,
 };
-pub(crate) use knots::periodic_values;
 pub use knots::{
     BasisDerivatives, BasisFunctions, BasisValues, KnotError, KnotVector, MAX_CONTROL_POINTS,
     MAX_DEGREE, Span,
 };
+pub(crate) use knots::{LEAST_AROUND, periodic_values};
 pub use magnitude::{MAX_MAGNITUDE, MIN_MAGNITUDE};
 pub(crate) use polygon::{Extraction, Extractions};
 pub use polygon::{bernstein, de_casteljau, halves};

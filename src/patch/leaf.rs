@@ -176,7 +176,8 @@ impl Leaf {
 
     /// The distance from a side of the piece, in its parameter, within which a hit may be within
     /// rounding of the side; `None` unless the side is a border of the surface and near the leaf.
-    /// The leaf must be certified for the ray. Sides are counted as in [`Piece::is_border`].
+    /// The leaf must be certified for the ray, or the ray's own proof hold in it, which allows for
+    /// no larger errors. Sides are counted as in [`Piece::is_border`].
     ///
     /// Rounding then moves a root by less than half of the leaf's slack, and a hit at a border is
     /// within [`BORDER_REACH`] times that; the distance returned is twice as much.

@@ -227,7 +227,7 @@ fn what_cannot_be_plotted_is_told_with_its_place() {
         (
             "{ basis = { degree = 2, knots = [0, 0, 1, 1], count = 2 } }",
             "3:40",
-            "plot \"A\": basis: 2 points of degree 2: at least 3 are needed (or is this the order? The degree is one less)",
+            "plot \"A\": basis: 2 points of degree 2: at least 3 are needed",
         ),
         (
             "{ basis = { degree = 1, weights = [1, 0, 0, 1] } }",

@@ -323,11 +323,12 @@ other.
 Turns: surfaces that meet are turned alike where the borders of both, each run
 through with its surface on the left as seen from the tip of S_u x S_v, run
 against each other, at whatever angle the surfaces meet. Closed models need
-that: at other borders `cast --all` has too many crossings, or too few. `reverse
-= true` turns all surfaces of an object; a surface that meets itself so, as a
-Moebius strip does, has one side only. Judged are stretches along which two
-borders meet to within rounding, and no third. Surfaces that lie on each other
-there, and parts of one tube, ribbon or net, are not judged.
+that: at other borders `cast --all` has too many crossings, or too few.
+`reverse = true` turns all surfaces of an object; one surface that meets itself
+so has parts turned opposite ways or, as a Moebius strip, one side only. Judged
+are stretches along which two borders meet to within rounding, and no third.
+Surfaces that lie on each other there, and parts of one tube, ribbon or net, are
+not judged.
 
 Bounds: the tight boxes of the surfaces themselves, not of their control points
 or leaves, to 1e-12 of their size (1e-9 where a surface touches its box along a

@@ -200,11 +200,11 @@ fn turned(fit: &Fit, facts: &Facts) -> String {
     );
     let row = |pair: &Turned| {
         let [a, b] = pair.edges;
-        let one_sided = if a.surface == b.surface { "  (a surface with one side)" } else { "" };
+        let with_itself = if a.surface == b.surface { "  (of one surface)" } else { "" };
         vec![
             format!("  {}", edge(&a, facts)),
             format!("| {}", edge(&b, facts)),
-            format!("at {}{one_sided}", short_point(pair.at)),
+            format!("at {}{with_itself}", short_point(pair.at)),
         ]
     };
     let rows: Vec<Vec<String>> = opposite.iter().take(LISTED).map(row).collect();

@@ -56,6 +56,11 @@ const MOST_TURN: f64 = 2e-3;
 /// proportion.
 const TURN_OF_TOLERANCE: f64 = 1e4 * MOST_TURN;
 
+/// Parts with a side that is no longer than this many tolerances are not seen: at the default
+/// tolerance, a fortieth of a pixel where the cage spans a thousand. (Below, there are always
+/// differences where a surface has no tangent plane.)
+const SEEN: f64 = 0.25;
+
 /// The rectangles of some faces: each root covers a face, each other is a part of its parent.
 #[derive(Clone, Debug)]
 pub(super) struct Tree<'a> {
@@ -181,14 +186,14 @@ impl<'a> Tree<'a> {
     ///
     /// A difference of Bézier patches is no larger than the largest difference of their control
     /// points, so the bound is proved except for rounding by some ulps. Normals are only compared,
-    /// at the corners of all parts that are known exactly and are wider than the tolerance.
+    /// at the corners of all parts that are known exactly and large enough to be seen.
     fn deviation(&self, net: &Net, node: u32) -> Option<f64> {
         let (kind, own) = &self.nodes[node as usize];
         let found = match *kind {
             Kind::Exact => {
                 let used = (self.degree + 1) * (self.degree + 1);
                 let sides = [self.degree, used - 1 - self.degree].map(|k| own[0].distance(own[k]));
-                let seen = sides.iter().all(|&side| side > self.tolerance);
+                let seen = sides.iter().all(|&side| side > SEEN * self.tolerance);
                 if seen && corner_turn(net, own, self.degree + 1) > self.most_turn {
                     return None;
                 }
@@ -208,7 +213,7 @@ impl<'a> Tree<'a> {
         (found <= self.limit).then_some(found)
     }
 
-    /// The patches: the fewest rectangles that are within the limit. They are sorted by place.
+    /// The patches: the fewest rectangles that are within the limits. They are sorted by place.
     pub(super) fn patches(&self) -> Patches {
         let mut roots = self.roots.clone();
         roots.sort_by_key(|root| root.rect.order()); // faces of n ≠ 4 corners came later

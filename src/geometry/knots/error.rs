@@ -44,9 +44,8 @@ pub enum KnotError {
     },
     /// Fewer control points than a single span of a spline of this degree needs.
     #[error(
-        "{} of degree {degree}: at least {} are needed{}",
-        Counted(*.points, "point"), degree + 1,
-        if degree == points && *degree > 1 { " (or is this the order? The degree is one less)" } else { "" }
+        "{} of degree {degree}: at least {} are needed",
+        Counted(*.points, "point"), degree + 1
     )]
     TooFewPoints {
         /// The number of control points given, or implied by the number of knots.

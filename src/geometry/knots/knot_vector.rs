@@ -70,9 +70,14 @@ impl KnotVector {
     /// When the numbers of knots and points do not match, and as [`KnotVector::new`].
     pub fn for_points(degree: usize, values: Vec<f64>, points: usize) -> Result<Self, KnotError> {
         check_degree(degree)?;
+        let count = KnotError::Count { knots: values.len(), points, degree };
+        // Too few points for the order, which somebody has given for the degree, may be enough.
+        if points == degree && values.len() == points + degree {
+            return Err(count);
+        }
         check_points(degree, points)?;
         if values.len() != points + degree + 1 {
-            return Err(KnotError::Count { knots: values.len(), points, degree });
+            return Err(count);
         }
         Self::new(degree, values)
     }
@@ -301,7 +306,7 @@ impl KnotVector {
 }
 
 /// The fewest different control points of a closed spline: two would make it double back on itself.
-const LEAST_AROUND: usize = 3;
+pub(crate) const LEAST_AROUND: usize = 3;
 
 /// The knots of one period, with `degree` more before it and after it, which repeat it.
 pub(crate) fn periodic_values(degree: usize, period: &[f64]) -> Result<Vec<f64>, KnotError> {

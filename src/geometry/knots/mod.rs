@@ -12,7 +12,7 @@ pub use basis_functions::BasisFunctions;
 pub(crate) use basis_functions::on_span;
 pub use error::KnotError;
 pub use knot_vector::{KnotVector, Span};
-pub(crate) use knot_vector::{periodic_values, unit_knots};
+pub(crate) use knot_vector::{LEAST_AROUND, periodic_values, unit_knots};
 
 use crate::math::bernstein;
 

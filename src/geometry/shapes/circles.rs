@@ -61,8 +61,9 @@ impl QuarticConstants {
     /// The solution of the constraint for a given `w₁`.
     ///
     /// # Errors
-    /// When `w₁` is not positive, or so large that it or `w₂` is above [`MAX_MAGNITUDE`], or so small
-    /// that one is below [`MIN_MAGNITUDE`] or (√2/8 or less) the first family leaves the quadrant.
+    /// When `w₁` is not positive, or so large that it or `w₂` is above [`MAX_MAGNITUDE`], or so
+    /// small that one is below [`MIN_MAGNITUDE`] or (√2/8 or less) the first family leaves the
+    /// quadrant.
     pub fn solved(arc: QuarticArc, w1: f64) -> Result<Self, CurveError> {
         let (solution, least) = match arc {
             QuarticArc::First => (1, FIRST_ABOVE),
@@ -88,8 +89,8 @@ impl QuarticConstants {
     /// The constants `[w₁, w₂]`, `y₁`, `x₂`, if they satisfy the constraint.
     ///
     /// # Errors
-    /// When one is not positive, or cannot be a weight or a coordinate of a curve, or an equation is
-    /// violated; the error says which and by how much.
+    /// When one is not positive, or cannot be a weight or a coordinate of a curve, or an equation
+    /// is violated; the error says which and by how much.
     pub fn new([w1, w2]: [f64; 2], y1: f64, x2: f64) -> Result<Self, CurveError> {
         for (index, weight) in [(1, w1), (2, w2)] {
             if !NurbsSurface::usable_weight(weight) {

@@ -104,8 +104,8 @@ impl NurbsSurface {
     /// multiplicity `p + 1` lets the surface jump there.
     ///
     /// # Errors
-    /// When `t` is not inside the domain, or as near to its end as to leave no room for a part's own
-    /// domain, or a part's control points are all on one line.
+    /// When `t` is not inside the domain, or so near to its end as to leave no room for a part's
+    /// own domain, or a part's control points are all on one line.
     pub fn split_u(&self, t: f64) -> Result<(Self, Self), SurfaceError> {
         self.split(Direction::U, t)
     }
@@ -114,8 +114,8 @@ impl NurbsSurface {
     /// [`NurbsSurface::split_u`].
     ///
     /// # Errors
-    /// When `t` is not inside the domain, or as near to its end as to leave no room for a part's own
-    /// domain, or a part's control points are all on one line.
+    /// When `t` is not inside the domain, or so near to its end as to leave no room for a part's
+    /// own domain, or a part's control points are all on one line.
     pub fn split_v(&self, t: f64) -> Result<(Self, Self), SurfaceError> {
         self.split(Direction::V, t)
     }

@@ -30,8 +30,8 @@ impl TrimEdge {
         self.curve
     }
 
-    /// The point `c(t)` in (u, v), and a vector along the tangent there, in the loop's direction:
-    /// zero where neighbouring control points are equal.
+    /// The point `c(t)` in (u, v) for a `t` in the curve's domain, and a vector along the tangent
+    /// there, in the loop's direction: zero where neighbouring control points are equal.
     pub fn uv_at(&self, t: f64) -> [DVec2; 2] {
         let last = self.pieces.len() - 1;
         let piece = (t.floor().max(0.0) as usize).min(last);

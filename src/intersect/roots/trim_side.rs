@@ -19,7 +19,8 @@ pub(crate) fn trim_side(
     }
     let reach = trim_reach(jet, known.along);
     // The border point nearest to the ray may be off the leaf; and a root that no certificate
-    // vouches for may be known to a tenth of the leaf only. At a pole one parameter may be anything.
+    // vouches for may be known to a tenth of the leaf only. At a pole one parameter may be
+    // anything.
     let off = if leaf.has_pole() { DVec2::ZERO } else { reach };
     let answered = leaf.widened(piece, WIDENING);
     if !leaf.is_trimmed() && holds(answered, st - off) && holds(answered, st + off) {

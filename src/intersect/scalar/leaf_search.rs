@@ -16,10 +16,11 @@ use crate::patch::{CollapsedSide, LEAF_SLACK, Leaf, Passage, Piece, StRect, WIDE
 /// solver.
 ///
 /// Where the certificate holds there is at most one root in the widened leaf. If Newton
-/// converges there, a second point with a residual below the error could only be within
-/// `error·spread/cos` of the first: well inside the slack. So the point found is the leaf's only
-/// meeting if it lies in the leaf or its slack; if it lies outside, the leaf is proved to be
-/// missed. The leaf is also missed where a step from beyond it surely leads farther away.
+/// converges there, a second point with a residual below the error could only be within twice
+/// `error·spread/cos` of the first: just inside the slack, which certificates leave room for. So
+/// the point found is the leaf's only meeting if it lies in the leaf or its slack; if it lies
+/// outside, the leaf is proved to be missed. The leaf is also missed where a step from beyond it
+/// surely leads farther away.
 /// `z_limit` is the distance along the ray up to which anything is of interest.
 pub(crate) fn search(
     question: &Question<'_>,

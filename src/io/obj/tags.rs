@@ -35,11 +35,12 @@ impl<'a> Reader<'a> {
             "interpolateboundary" => self.boundary(counts, integers),
             "creasemethod" if rest == ["normal"] || rest == ["uniform"] => Ok(()),
             "creasemethod" => {
-                let message = format!(
-                    "creasemethod {}: normal or uniform is needed",
-                    rest.first().map_or_else(|| "of nothing".to_owned(), |word| shown(word))
-                );
-                Err(self.malformed(rest.first().unwrap_or(name), message))
+                let (word, found) = match rest {
+                    [only] => (*only, shown(only)),
+                    _ => (*name, Counted(rest.len(), "word").to_string()),
+                };
+                let message = format!("creasemethod {found}: normal or uniform is needed");
+                Err(self.malformed(word, message))
             }
             _ => {
                 let message = format!(

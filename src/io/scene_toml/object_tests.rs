@@ -26,7 +26,7 @@ fn what_cannot_be_made_from_curves_is_told() {
         shape(
             "extrusion]\nprofile = { nurbs = { degree = 2, points = [[1, 0], [2, 0]] } }\nby = [0, 0, 1]"
         ),
-        "s.toml:4:44: surface \"cup\": profile: 2 points of degree 2: at least 3 are needed (or is this the order? The degree is one less)"
+        "s.toml:4:44: surface \"cup\": profile: 2 points of degree 2: at least 3 are needed"
     );
     assert_eq!(
         shape("ruled]\nfrom = { circle = { radius = -1 } }\nto = { circle = { radius = 1 } }"),
@@ -168,9 +168,8 @@ fn knots_by_name() {
     let repeats = "the last 2 control points are the first 2 again: a periodic spline repeats them \
                    by itself, leave them out";
     let net = |points: &str, degree: &str, knots: &str| {
-        format!(
-            "[[object]]\nshape.nurbs = {{ degree = {degree}, {knots} = 'periodic', points = [{points}] }}"
-        )
+        let nurbs = format!("degree = {degree}, {knots} = 'periodic', points = [{points}]");
+        format!("[[object]]\nshape.nurbs = {{ {nurbs} }}")
     };
     let [x, y, z, w] = [[1, 0], [0, 1], [-1, 0], [0, -1]].map(|[x, y]| [[x, y, 0], [x, y, 2]]);
     let columns = [0, 1].map(|k| [x, y, z, w, x, y].map(|row| row[k]));
@@ -186,6 +185,17 @@ fn knots_by_name() {
     let points = "degree = 2, points = [[1, 0], [0, 1], [-1, 0], [1, 0], [0, 1]]";
     let twice = curve(&format!("nurbs = {{ {points}, knots = 'periodic' }}"));
     assert_eq!(error(&twice), format!("s.toml:2:28: surface \"tube\": curve: {repeats}"));
+    // Other weights make other control points, and an apex is the same point all around.
+    let weighted =
+        net(&again, "[2, 1], weights = [[1, 1], [1, 1], [1, 1], [2, 1], [1, 1]]", "knots_u");
+    assert_eq!(World::new(&scene(&weighted)).unwrap().surfaces.len(), 1);
+    let apex = "[0, 0, 1], [0, 0, 1], [0, 0, 1], [0, 0, 1], [0, 0, 1]";
+    let base = "[1, 0], [0, 1], [-1, 0], [0, -1], [1, -1]";
+    let [base, apex] = [base, apex].map(|points| {
+        format!("{{ nurbs = {{ degree = 2, points = [{points}], knots = 'periodic' }} }}")
+    });
+    let cone = format!("[[object]]\nshape = {{ ruled = {{ from = {base}, to = {apex} }} }}");
+    assert_eq!(World::new(&scene(&cone)).unwrap().surfaces.len(), 1);
 
     let points = "degree = 3, points = [[1, 0], [0, 1], [-1, 0], [0, -1]]";
     let tube =

@@ -1,4 +1,4 @@
-//! A scene ready to trace: surfaces made by `making`, under names of their own, with the camera, the
+//! A scene ready to trace: surfaces made by `making`, under names of their own, with the camera,
 //! lights and the materials of `look`; those that the scene leaves open are chosen here. All groups
 //! but the plots are used, and none of them knows of a world.
 

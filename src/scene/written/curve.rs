@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::net::{knot_vector, wrapped};
+use super::net::{Grid, knot_vector, wrapped};
 use super::transform::placed;
 use super::{Knots, NoteCircle, Place, Transform, TransformError, Written};
 use crate::geometry::shapes::{QuarticArc, QuarticConstants, circle_arc, quarter_circle_weighted};
@@ -144,10 +144,7 @@ impl CurveSpec {
                 let vector = knot_vector(*degree, &knots.value, points.len())
                     .map_err(|error| CurveFault::Curve(knots.place.clone(), error.into()))?;
                 check_weights(points, weights.as_deref()).map_err(blame)?;
-                knots
-                    .value
-                    .check_period((points, [1, points.len()]), Direction::V, *degree)
-                    .map_err(|error| blame(error.into()))?;
+                check_period(&knots.value, *degree, points, weights.as_deref()).map_err(blame)?;
                 let [given, needed] = [points.len(), vector.point_count()].map(|count| [1, count]);
                 let weights = weights.as_ref().map(|weights| wrapped(weights, given, needed));
                 NurbsCurve::new(vector, wrapped(points, given, needed), weights)
@@ -201,6 +198,7 @@ impl CurveSpec {
             return Err(blame(CurveError::Point { index, point: points[index] }));
         }
         check_weights(points, Some(weights)).map_err(blame)?;
+        check_period(&knots.value, *degree, points, Some(weights)).map_err(blame)?;
         let placed = self.placed()?;
         let [given, needed] = [points.len(), vector.point_count()].map(|count| [1, count]);
         let mut weights = wrapped(weights, given, needed);
@@ -214,6 +212,17 @@ impl CurveSpec {
         }
         Ok((RationalBasis::new(vector, weights).map_err(blame)?, points))
     }
+}
+
+/// The first points of a closed curve must not be written again: see [`Knots::check_period`].
+fn check_period(
+    knots: &Knots,
+    degree: usize,
+    points: &[DVec3],
+    weights: Option<&[f64]>,
+) -> Result<(), CurveError> {
+    let row = Grid { points, weights, size: [1, points.len()] };
+    Ok(knots.check_period(&row, Direction::V, degree)?)
 }
 
 /// There must be a weight for each control point, before those of a closed curve are repeated.

@@ -10,7 +10,7 @@ const MAX_WRONG: f64 = 0.4;
 /// As many letters do words have in common that mean the same: `revolve` and `revolution`.
 const STEM: usize = 5;
 
-/// As many known names an error lists.
+/// An error lists at most so many known names.
 const MOST_SHOWN: usize = 30;
 
 /// Returns the known name nearest to the one written, if one is near enough to be meant.

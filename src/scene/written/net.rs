@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::Written;
 use crate::geometry::{
-    Direction, KnotError, KnotVector, MAX_CONTROL_POINTS, NurbsSurface, SurfaceError,
+    Direction, KnotError, KnotVector, LEAST_AROUND, MAX_CONTROL_POINTS, NurbsSurface, SurfaceError,
 };
 
 /// Knots as an author writes them.
@@ -61,7 +61,8 @@ impl Net {
     /// The surface that these numbers describe.
     ///
     /// # Errors
-    /// When they describe none: see [`NurbsSurface::new`] and [`KnotVector`].
+    /// When they describe none: see [`NurbsSurface::new`] and [`KnotVector`]; or when points that a
+    /// periodic direction repeats by itself are written again.
     pub fn surface(&self) -> Result<NurbsSurface, SurfaceError> {
         self.checked().map_err(|fault| fault.error)
     }
@@ -72,13 +73,13 @@ impl Net {
         let knots_v = self.knot_vector(Direction::V)?;
         for direction in [Direction::U, Direction::V] {
             let k = direction as usize;
-            self.knots[k]
-                .value
-                .check_period((&self.points.value, self.size), direction, self.degree[k])
-                .map_err(|error| NetFault {
-                    error: SurfaceError::Knots { direction, error },
-                    blame: Blame::Points,
-                })?;
+            let weights = self.weights.as_ref().map(|weights| &weights.value[..]);
+            let grid = Grid { points: &self.points.value, weights, size: self.size };
+            let checked = self.knots[k].value.check_period(&grid, direction, self.degree[k]);
+            checked.map_err(|error| NetFault {
+                error: SurfaceError::Knots { direction, error },
+                blame: Blame::Points,
+            })?;
         }
         let around = [knots_u.point_count(), knots_v.point_count()];
         let points = wrapped(&self.points.value, self.size, around);
@@ -106,10 +107,7 @@ impl Net {
     }
 
     fn knot_vector(&self, direction: Direction) -> Result<KnotVector, NetFault> {
-        let k = match direction {
-            Direction::U => 0,
-            Direction::V => 1,
-        };
+        let k = direction as usize;
         knot_vector(self.degree[k], &self.knots[k].value, self.size[k]).map_err(|error| NetFault {
             error: SurfaceError::Knots { direction, error },
             blame: Blame::Knots(direction),
@@ -135,29 +133,57 @@ impl Knots {
     }
 
     /// Checks that a grid of control points does not end, in the direction of these knots, with
-    /// those that a closed spline of this degree repeats by itself: other programs write them.
+    /// those that a closed spline of this degree repeats by itself: other programs write them. (A
+    /// spline that is to run twice through the same points is refused, too.)
     pub(super) fn check_period(
         &self,
-        (points, size): (&[DVec3], [usize; 2]),
+        grid: &Grid<'_>,
         direction: Direction,
         degree: usize,
     ) -> Result<(), KnotError> {
-        // What does not fill the grid is refused elsewhere; a single repeated point does no harm.
-        let k = direction as usize;
-        let fills = size[0].checked_mul(size[1]) == Some(points.len());
-        if !(self.are_closed() && fills && 2 <= degree && degree < size[k]) {
+        let count = grid.size[direction as usize];
+        // At degree 1 a repeated point does no harm. The others must make a closed spline.
+        let others = count.saturating_sub(degree);
+        let may_repeat = degree > 1 && others >= LEAST_AROUND;
+        if !(self.are_closed() && grid.is_full() && may_repeat) {
             return Ok(());
         }
-        let at = |along: usize, across: usize| match direction {
-            Direction::U => points[along * size[1] + across],
-            Direction::V => points[across * size[1] + along],
-        };
-        let last = size[k] - degree;
-        let repeats = |i: usize| (0..size[1 - k]).all(|j| at(i, j) == at(last + i, j));
-        match (0..degree).all(repeats) {
-            true => Err(KnotError::Wrapped { repeated: degree }),
-            false => Ok(()),
+        let same = |i: usize, j: usize| grid.are_same(direction, i, j);
+        let is_apex = (1..count).all(|i| same(0, i));
+        if !is_apex && (0..degree).all(|i| same(i, others + i)) {
+            return Err(KnotError::Wrapped { repeated: degree });
         }
+        Ok(())
+    }
+}
+
+/// Control points as written, second direction fastest: those of a curve are a row.
+pub(super) struct Grid<'a> {
+    pub(super) points: &'a [DVec3],
+    pub(super) weights: Option<&'a [f64]>,
+    pub(super) size: [usize; 2],
+}
+
+impl Grid<'_> {
+    /// Whether there are as many points, and weights if there are any, as the size says; surfaces
+    /// and curves refuse others.
+    fn is_full(&self) -> bool {
+        let count = self.size[0].checked_mul(self.size[1]);
+        count == Some(self.points.len())
+            && self.weights.is_none_or(|weights| count == Some(weights.len()))
+    }
+
+    /// Whether two rows of control points across a direction are the same.
+    fn are_same(&self, direction: Direction, i: usize, j: usize) -> bool {
+        let [rows, columns] = self.size;
+        let (across, start, step) = match direction {
+            Direction::U => (columns, columns, 1),
+            Direction::V => (rows, 1, columns),
+        };
+        (0..across).all(|k| {
+            let [a, b] = [i, j].map(|row| row * start + k * step);
+            self.points[a] == self.points[b] && self.weights.is_none_or(|w| w[a] == w[b])
+        })
     }
 }
 

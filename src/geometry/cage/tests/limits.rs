@@ -109,7 +109,7 @@ fn normals_of_surfaces_for_pictures_are_near_everywhere() {
         for _ in 0..LEVELS {
             refined = refined.refined_catmull_clark();
         }
-        let mut worst = 0.0_f64;
+        let (mut worst, mut compared) = (0.0_f64, 0);
         for (face, corners) in refined.catmull_clark_limits().iter().enumerate() {
             // The face's square in that of its unit: the quads of a quad keep its directions.
             let (mut unit, mut low, mut side) = (face, [0.0, 0.0], 1.0);
@@ -122,13 +122,15 @@ fn normals_of_surfaces_for_pictures_are_near_everywhere() {
                 let at = [(low[0] + u) / side, (low[1] + v) / side];
                 let (patch, u, v) = probe.patch(unit, at).unwrap();
                 let normals = corner.normal.zip(probe.surface(patch).normal(u, v));
-                if let Some((expected, found)) = normals {
+                // At the corner of a single face on a smooth border no two sides span a plane.
+                let is_loose = name == "loose sheet" && at.iter().all(|x| x.fract() == 0.0);
+                if let (Some((expected, found)), false) = (normals, is_loose) {
                     worst = worst.max(found.distance(expected));
+                    compared += 1;
                 }
             }
         }
-        // The corner of a single face on a smooth border has no sides that span a plane.
-        let bound = if name == "loose sheet" { 0.2 } else { 4e-3 };
-        assert!(worst < bound, "{name}: {worst}");
+        assert!(worst < 4e-3, "{name}: {worst}");
+        assert!(compared > 3 * refined.face_count(), "{name}: {compared}");
     }
 }
