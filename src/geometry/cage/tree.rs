@@ -50,11 +50,11 @@ impl Cut {
 
 /// The angle, in radians, that is always allowed between the normals of a patch and of the surface.
 /// The distance alone says little of normals: a patch may be a few times as large as it may be off.
-const MOST_TURN: f64 = 2e-3;
+const MOST_TURN: f64 = 5e-3;
 
-/// Tolerances above a ten-thousandth of the cage's size, the default, allow larger angles, in
-/// proportion.
-const TURN_OF_TOLERANCE: f64 = 1e4 * MOST_TURN;
+/// Up to this share of the cage's size, the default, all tolerances allow that angle. Coarser ones
+/// are there to save memory: from six times that on, the angle is as good as any.
+const FINE: f64 = 1e-4;
 
 /// Parts with a side that is no longer than this many tolerances are not seen: at the default
 /// tolerance, a fortieth of a pixel where the cage spans a thousand. (Below, there are always
@@ -104,7 +104,8 @@ impl<'a> Tree<'a> {
         count: &'a AtomicUsize,
     ) -> Self {
         let limit = share * tolerance;
-        let most_turn = MOST_TURN.max(TURN_OF_TOLERANCE * tolerance / size);
+        let coarseness = (tolerance / (FINE * size)).max(1.0);
+        let most_turn = MOST_TURN * coarseness.powi(3);
         Self { degree, nodes: Vec::new(), roots: Vec::new(), limit, most_turn, tolerance, count }
     }
 
