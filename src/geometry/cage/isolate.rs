@@ -75,7 +75,8 @@ impl Cage {
     /// semi-sharp creases meet, turn or end: there a crease of sharpness 6 is rounded over a 64th
     /// of a face, in as many patches as that takes; at 1e-3 it would take half as many and be 2e-4
     /// of the side off. Normals are compared, too, where they can be seen: at this tolerance, not
-    /// at 1e-3, they are off by no more than 5e-3 at places where the surface is known.
+    /// at 1e-3, a patch is turned by no more than 5e-3 at places where the surface is known, before
+    /// it is moved to meet its neighbours.
     pub fn default_tolerance(&self) -> f64 {
         let size = self.largest_side();
         // A cage very far from the origin, or one without extent, cannot have that tolerance.
