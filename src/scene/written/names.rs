@@ -11,7 +11,7 @@ const MAX_WRONG: f64 = 0.4;
 const STEM: usize = 5;
 
 /// An error lists at most so many known names.
-const MOST_SHOWN: usize = 30;
+const MOST_SHOWN: usize = 40;
 
 /// Returns the known name nearest to the one written, if one is near enough to be meant.
 ///
@@ -137,6 +137,6 @@ mod tests {
         let known: Vec<String> = (0..1000).map(|k| format!("part {k}")).collect();
         let known: Vec<&str> = known.iter().map(String::as_str).collect();
         let long = UnknownName::new("object", "lid", &known).to_string();
-        assert!(long.ends_with(", part 28, part 29 and 970 more"), "{long}");
+        assert!(long.ends_with(", part 38, part 39 and 960 more"), "{long}");
     }
 }
