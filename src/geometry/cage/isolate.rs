@@ -10,7 +10,7 @@ use super::limit_surface::{FaceRect, LimitSurface};
 use super::mesh::Mesh;
 use super::seams::within;
 use super::topology::{NONE, Topology};
-use super::tree::{Cut, MAX_LEVELS, Tree};
+use super::tree::{Cut, DEFAULT_TOLERANCE, MAX_LEVELS, Tree};
 use crate::math::Aabb;
 
 impl Cage {
@@ -80,7 +80,7 @@ impl Cage {
     pub fn default_tolerance(&self) -> f64 {
         let size = self.largest_side();
         // A cage very far from the origin, or one without extent, cannot have that tolerance.
-        (1e-4 * size).max(self.smallest_tolerance()).max(f64::MIN_POSITIVE)
+        (DEFAULT_TOLERANCE * size).max(self.smallest_tolerance()).max(f64::MIN_POSITIVE)
     }
 }
 

@@ -52,9 +52,9 @@ impl Cut {
 /// The distance alone says little of normals: a patch may be a few times as large as it may be off.
 const MOST_TURN: f64 = 5e-3;
 
-/// Up to this share of the cage's size, the default, all tolerances allow that angle. Coarser ones
-/// are there to save memory: from six times that on, the angle is as good as any.
-const FINE: f64 = 1e-4;
+/// The default tolerance, as a share of the cage's size. It and all finer ones allow that angle.
+/// Coarser ones are there to save memory: from six times the default on, they allow any.
+pub(super) const DEFAULT_TOLERANCE: f64 = 1e-4;
 
 /// Parts with a side that is no longer than this many tolerances are not seen: at the default
 /// tolerance, a fortieth of a pixel where the cage spans a thousand. (Below, there are always
@@ -104,8 +104,9 @@ impl<'a> Tree<'a> {
         count: &'a AtomicUsize,
     ) -> Self {
         let limit = share * tolerance;
-        let coarseness = (tolerance / (FINE * size)).max(1.0);
-        let most_turn = MOST_TURN * coarseness.powi(3);
+        let coarseness = (tolerance / (DEFAULT_TOLERANCE * size)).max(1.0);
+        // Not a power, whose last bits would be up to the processor's library.
+        let most_turn = MOST_TURN * (coarseness * coarseness * coarseness);
         Self { degree, nodes: Vec::new(), roots: Vec::new(), limit, most_turn, tolerance, count }
     }
 

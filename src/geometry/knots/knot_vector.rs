@@ -71,7 +71,8 @@ impl KnotVector {
     pub fn for_points(degree: usize, values: Vec<f64>, points: usize) -> Result<Self, KnotError> {
         check_degree(degree)?;
         let count = KnotError::Count { knots: values.len(), points, degree };
-        // Too few points for the order, which somebody has given for the degree, may be enough.
+        // Where the order is given for the degree, both counts are right for one less, and this says
+        // so.
         if points == degree && values.len() == points + degree {
             return Err(count);
         }

@@ -97,11 +97,14 @@ impl QuarticConstants {
                 return Err(CurveError::Weight { index, weight });
             }
         }
-        let inside = |coordinate: f64| coordinate > 0.0 && coordinate <= MAX_MAGNITUDE; // not NaN
-        if !(inside(y1) && inside(x2)) {
-            let (index, point) = if inside(y1) { (2, [x2, x2]) } else { (1, [1.0, y1]) };
-            let point = DVec3::new(point[0], point[1], 0.0);
-            return Err(CurveError::OffQuadrant { index, point });
+        for (index, coordinate, [x, y]) in [(1, y1, [1.0, y1]), (2, x2, [x2, x2])] {
+            let (positive, point) = (coordinate > 0.0, DVec3::new(x, y, 0.0)); // false for NaN
+            if !positive {
+                return Err(CurveError::OffQuadrant { index, point });
+            }
+            if coordinate > MAX_MAGNITUDE {
+                return Err(CurveError::Point { index, point });
+            }
         }
 
         // Each equation with the sizes of its terms, which bound its rounding.
@@ -347,6 +350,8 @@ mod tests {
         assert!(matches!(heavy, CurveError::Weight { index: 2, .. }), "{heavy}");
         let heavy = QuarticConstants::solved(QuarticArc::First, 1e70).unwrap().curve();
         assert!(heavy.weights().all(NurbsSurface::usable_weight));
+        let far = QuarticConstants::new([1.0, 1.0], 1e80, 0.75).unwrap_err();
+        assert!(matches!(far, CurveError::Point { index: 1, .. }), "{far}");
         assert_eq!(
             quarter_circle_weighted([1.0, 1.0, 1.0]).unwrap_err().to_string(),
             "2 w1² / (w0 w2) is 2: a circle needs 1 to within 3.6e-15"
