@@ -13,6 +13,7 @@ mod interval;
 mod prefetch;
 mod ray;
 mod ray_frame;
+pub(crate) mod rounded;
 pub mod rounding;
 mod shown;
 mod split_mix;

@@ -1,15 +1,18 @@
 //! The proof that a ray meets a leaf at most once.
 
+pub(super) mod tangent_pairs;
+pub(super) mod tangents;
+
 use std::ops::{Add, Mul};
 
 use glam::DVec3;
 
-use super::field::Net;
+use self::tangents::{MARGIN, TangentBounds};
 use super::oriented_box::Axes;
-use super::rounded::{Near16, Up8, Up16};
-use super::tangents::{MARGIN, TangentBounds};
+use super::pieces::field::Net;
 use super::{CollapsedSide, LEAF_SLACK, OrientedBox};
 use crate::math::Interval;
+use crate::math::rounded::{Near16, Up8, Up16};
 
 /// A promise about all rays that are steep enough: each meets the leaf, widened on all
 /// sides, at most once; and how far the leaf's tangents turn.

@@ -1,18 +1,23 @@
 //! What is kept of a part of a piece, to search it.
 
+pub(super) mod bicubic;
+pub(super) mod fit;
+pub(super) mod fit_error;
+pub(super) mod trim_windows;
+
 use glam::{DVec2, DVec3};
 
-use super::bicubic::{Fit, NO_WEIGHT, WeightFit, second_derivatives};
-use super::field::Net;
-use super::fit::Approximation;
-use super::fit_error::REACHES;
+use self::bicubic::{Fit, NO_WEIGHT, WeightFit, second_derivatives};
+use self::fit::Approximation;
+use self::fit_error::REACHES;
 use super::oriented_box::Axes;
-use super::part::PartNet;
-use super::rounded::{Up8, Up16};
+use super::parts::part::PartNet;
+use super::pieces::field::Net;
 use super::{
     BORDER_REACH, Certificate, CollapsedSide, DyadicRect, FIT_DOMAIN, FitError, LEAF_SLACK,
     OrientedBox, Part, Piece, ScaledFrame, StRect,
 };
+use crate::math::rounded::{Up8, Up16};
 use crate::math::{prefetch, rounding};
 
 /// A part of a piece that is flat enough to search, in the common form that all leaves have,

@@ -6,8 +6,8 @@ use std::collections::BinaryHeap;
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
-use super::part::{Cut, PartNet};
-use super::tiles::Grid;
+use super::parts::part::{Cut, PartNet};
+use super::pieces::chart_grid::Grid;
 use super::{DyadicRect, GroupedParts, Leaf, OrientedBox, Part, Piece};
 use crate::math::Aabb;
 
@@ -238,7 +238,7 @@ mod tests {
 
     use super::{MOST, MOST_OF_SCENE, coarse};
     use crate::geometry::{KnotVector, NurbsSurface};
-    use crate::patch::tiles::Grid;
+    use crate::patch::pieces::chart_grid::Grid;
     use crate::patch::{GroupedParts, Part, PatchSet};
 
     /// A wavy biquadratic sheet of this many pieces each way, on a square with sides of 1.

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3, DVec4};
 
 use super::ScaledFrame;
-use super::tensor::euclidean;
+use super::pieces::tensor::euclidean;
 use crate::math::RayFrame;
 
 /// A ray whose component along a row is smaller than this runs along the slab: nothing can be

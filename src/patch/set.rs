@@ -9,11 +9,12 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::chart_net::ChartNet;
-use super::keeping::{Keeping, piece_count};
 use super::leaves::parts;
-use super::tiles::Grid;
-use super::{GroupedParts, Piece, apexes};
+use super::pieces::apexes;
+use super::pieces::chart_grid::Grid;
+use super::pieces::chart_net::ChartNet;
+use super::pieces::keeping::{Keeping, piece_count};
+use super::{GroupedParts, Piece};
 use crate::geometry::{Chart, Charts, NurbsSurface};
 use crate::math::Aabb;
 

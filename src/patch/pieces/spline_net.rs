@@ -6,11 +6,11 @@
 
 use glam::DVec4;
 
-use super::BezierNet;
 use super::piece_net::{PieceNet, numbers_a_point};
 use super::power_nets::MadePowers;
 use super::powers::ToPowers;
 use crate::geometry::{Extraction, Extractions};
+use crate::patch::BezierNet;
 
 /// Where the control net of a piece is.
 #[derive(Clone, Copy, Debug)]

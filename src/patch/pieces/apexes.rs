@@ -6,12 +6,12 @@
 
 use glam::DVec3;
 
-use super::Piece;
+use super::chart_grid::Grid;
 use super::piece::HALF_THE_DIGITS;
-use super::tiles::Grid;
+use crate::patch::Piece;
 
 /// Finds the apexes of a chart's pieces, judging by a few normals along each collapsed side.
-pub(super) fn mark(pieces: &mut [Piece], grid: &Grid) {
+pub(in crate::patch) fn mark(pieces: &mut [Piece], grid: &Grid) {
     let Grid { first, rows, columns } = *grid;
     for side in 0..4 {
         // Sides of constant `s` follow each other from column to column, the others from row to

@@ -10,16 +10,16 @@ use super::piece_net::numbers_a_point;
 use super::power_nets::{KeptPowers, MadePowers, Others};
 use super::powers;
 use super::spline_net::LONGEST;
-use super::{BezierNet, NetSource, PieceNet, SplineNet};
 use crate::geometry::trim::Trims;
 use crate::geometry::{BezierForm, Chart, ChartMap, Extractions, KnotVector, NurbsSurface};
 use crate::math::rounding;
+use crate::patch::{BezierNet, NetSource, PieceNet, SplineNet};
 
 /// The control points of a chart, and where its pieces lie.
 #[derive(Debug)]
-pub(super) struct ChartNet {
+pub(in crate::patch) struct ChartNet {
     pub(super) degree: [usize; 2],
-    /// See [`TensorPatch::residual_factor`](super::TensorPatch::residual_factor): every ray needs
+    /// See [`TensorPatch::residual_factor`](crate::patch::TensorPatch::residual_factor): every ray needs
     /// it at every leaf.
     pub(super) residual_factor: f64,
     /// Row by row.
@@ -103,7 +103,7 @@ pub(super) struct PieceSpan {
 
 impl ChartNet {
     /// The net of a chart; also returns the rows and the columns in which pieces begin.
-    pub(super) fn new(chart: &Chart<'_>, keeping: Keeping) -> (Self, [Vec<u32>; 2]) {
+    pub(in crate::patch) fn new(chart: &Chart<'_>, keeping: Keeping) -> (Self, [Vec<u32>; 2]) {
         let surface = &*chart.surface;
         if keeping.of_one(surface) == Keeping::Spline {
             Self::of_spline(chart, surface)
@@ -304,7 +304,7 @@ impl ChartNet {
     }
 
     /// The memory held, in bytes.
-    pub(super) fn bytes(&self) -> usize {
+    pub(in crate::patch) fn bytes(&self) -> usize {
         let spans = self.spans.iter().map(|spans| size_of_val(&spans[..]));
         let extraction = self.extraction.iter().flat_map(|both| both.iter());
         let extraction = extraction.map(Extractions::bytes);
@@ -323,7 +323,7 @@ impl ChartNet {
 
     /// A net of one piece, on the unit square.
     #[cfg(test)]
-    pub(super) fn single(degree: [usize; 2], control: &[DVec4]) -> Self {
+    pub(in crate::patch) fn single(degree: [usize; 2], control: &[DVec4]) -> Self {
         let knots = degree.map(|degree| KnotVector::bezier(degree).unwrap());
         let [u, v] = knots;
         let surface = NurbsSurface::from_homogeneous(u, v, control.to_vec()).unwrap();

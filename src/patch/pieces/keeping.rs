@@ -5,7 +5,7 @@ use crate::geometry::{Chart, Extractions, KnotVector, NurbsSurface};
 
 /// How the control points of charts are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Keeping {
+pub(in crate::patch) enum Keeping {
     /// All Bézier points, ready to be used.
     Bezier,
     /// Where this is possible and saves much, the control points of the B-spline, from which pieces
@@ -26,7 +26,7 @@ const LEAST_SAVING: usize = 2;
 
 impl Keeping {
     /// The choice for all charts together, which share the cache.
-    pub(super) fn of<'c>(charts: impl Iterator<Item = &'c Chart<'c>>) -> Self {
+    pub(in crate::patch) fn of<'c>(charts: impl Iterator<Item = &'c Chart<'c>>) -> Self {
         let bytes = charts
             .map(|chart| {
                 let size = numbers_a_point(chart.surface.common_weight());
@@ -45,7 +45,7 @@ impl Keeping {
     }
 
     /// How many Bézier points of a surface are kept.
-    pub(super) fn bezier_points(self, surface: &NurbsSurface) -> usize {
+    pub(in crate::patch) fn bezier_points(self, surface: &NurbsSurface) -> usize {
         match self.of_one(surface) {
             Self::Bezier => surface.bezier_point_count(),
             Self::Spline => 0,
@@ -54,7 +54,7 @@ impl Keeping {
 }
 
 /// How many pieces a surface is cut into.
-pub(super) fn piece_count(surface: &NurbsSurface) -> usize {
+pub(in crate::patch) fn piece_count(surface: &NurbsSurface) -> usize {
     surface.knots_u().spans().count().saturating_mul(surface.knots_v().spans().count())
 }
 

@@ -20,9 +20,9 @@ use std::ops::{Add, Mul, Sub};
 use glam::DVec4;
 use smallvec::SmallVec;
 
-use super::BezierNet;
 use crate::geometry::{Extraction, Extractions, KnotVector};
 use crate::math::bernstein::binomials;
+use crate::patch::BezierNet;
 
 /// The highest degree that is written in power form. Few pieces of higher degree would be well
 /// conditioned, and eight of their nets are not held side by side.
@@ -133,7 +133,7 @@ pub(super) fn net_of(degree: [usize; 2], bezier: &[DVec4]) -> Option<BezierNet> 
 /// Converts Bernstein coefficients of degree up to three on `[−1, 1]` to power coefficients;
 /// entries beyond the degree stay as they are.
 #[inline]
-pub(super) fn powers<V>(degree: usize, [a, b, c, d]: [V; 4]) -> [V; 4]
+pub(in crate::patch) fn powers<V>(degree: usize, [a, b, c, d]: [V; 4]) -> [V; 4]
 where
     V: Copy + Add<Output = V> + Sub<Output = V> + Mul<f64, Output = V>,
 {
@@ -291,10 +291,10 @@ fn in_both_directions(
 mod tests {
     use glam::DVec3;
 
-    use super::super::{NetSource, PatchSet};
     use super::*;
     use crate::geometry::NurbsSurface;
     use crate::math::bernstein;
+    use crate::patch::{NetSource, PatchSet};
 
     #[test]
     fn bernstein_coefficients_become_those_of_powers() {

@@ -3,10 +3,10 @@
 use glam::{DVec3, DVec4};
 
 use super::bend::{Bend, MOST_HALVINGS};
-use super::tensor::euclidean;
-use super::{BezierNet, CollapsedSide, DyadicRect, LEAF_SLACK, Piece, StRect, WIDENING};
 use crate::geometry::trim::{Coverage, Trims};
 use crate::math::{Aabb, bernstein};
+use crate::patch::pieces::tensor::euclidean;
+use crate::patch::{BezierNet, CollapsedSide, DyadicRect, LEAF_SLACK, Piece, StRect, WIDENING};
 
 /// A trim curve within the domain that stays this near to the border of a part, as a fraction of
 /// its sides, is not worth halving for: all parts on that side would be mixed, and hardly less of
@@ -51,7 +51,7 @@ pub(crate) struct Part {
 
 /// A part of a piece and the control points over it, while it is being halved.
 #[derive(Debug)]
-pub(super) struct PartNet {
+pub(in crate::patch) struct PartNet {
     rect: DyadicRect,
     net: BezierNet,
     /// How often it was halved for the sake of trim curves.
@@ -65,7 +65,7 @@ pub(super) struct PartNet {
 
 /// A way to halve a part.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cut {
+pub(in crate::patch) struct Cut {
     /// The direction to halve in.
     direction: usize,
     /// Whether it is for the sake of a trim curve.
@@ -75,12 +75,12 @@ pub(super) struct Cut {
     /// but a small part may be what a picture is about, so the factor is not the area. Measured: a
     /// body with the wires of its net is traced 1.2 to 2 times as fast as with the angle alone;
     /// teapot, goblet and a flange with bolts are 0.97 to 1.06 times as fast.
-    pub(super) worth: f64,
+    pub(in crate::patch) worth: f64,
 }
 
 impl PartNet {
     /// A whole piece.
-    pub(super) fn whole(piece: &Piece) -> Self {
+    pub(in crate::patch) fn whole(piece: &Piece) -> Self {
         Self {
             rect: DyadicRect::UNIT,
             net: piece.patch.control_net(),
@@ -91,7 +91,7 @@ impl PartNet {
     }
 
     /// The part of a piece over a rectangle.
-    pub(super) fn over(piece: &Piece, rect: DyadicRect) -> Self {
+    pub(in crate::patch) fn over(piece: &Piece, rect: DyadicRect) -> Self {
         let mut net = piece.patch.control_net();
         let [s, t] = rect.ranges();
         bernstein::restrict_net(&mut net, piece.patch.degree(), s, t);
@@ -100,7 +100,7 @@ impl PartNet {
 
     /// Hands over the parts of this part that are flat enough to be leaves and are not cut off by
     /// trims.
-    pub(super) fn coarse_parts(mut self, piece: &Piece, done: &mut impl FnMut(Self)) {
+    pub(in crate::patch) fn coarse_parts(mut self, piece: &Piece, done: &mut impl FnMut(Self)) {
         // Where a certificate holds, roots are known to far less than the widening; others are
         // compared with the trims where their error reaches beyond it.
         let coverage = self.trims_of(piece).map_or(Coverage::Inside, |trims| {
@@ -126,7 +126,7 @@ impl PartNet {
     }
 
     /// The best way to halve this part further, if that is worth anything.
-    pub(super) fn way(&self, piece: &Piece) -> Option<Cut> {
+    pub(in crate::patch) fn way(&self, piece: &Piece) -> Option<Cut> {
         let bend = self.bend?;
         let (mut direction, mut angle) = bend.most();
         let mut at_trims = false;
@@ -139,7 +139,7 @@ impl PartNet {
     }
 
     /// Hands over the parts of both halves, as [`coarse_parts`](Self::coarse_parts) does.
-    pub(super) fn halved(&self, piece: &Piece, way: Cut, done: &mut impl FnMut(Self)) {
+    pub(in crate::patch) fn halved(&self, piece: &Piece, way: Cut, done: &mut impl FnMut(Self)) {
         for mut half in self.halves(piece, way.direction) {
             half.cuts += u32::from(way.at_trims);
             half.coarse_parts(piece, done);
@@ -218,7 +218,7 @@ impl PartNet {
 
     /// What is kept of the part: its place, and an axis-parallel box around every point its leaf
     /// answers for, grown by the error bound of points.
-    pub(super) fn part(&self, index: u32, piece: &Piece) -> Part {
+    pub(in crate::patch) fn part(&self, index: u32, piece: &Piece) -> Part {
         let whole = self.rect == DyadicRect::UNIT;
         let bounds = if whole {
             self.bounds()
@@ -230,7 +230,7 @@ impl PartNet {
     }
 
     /// The control points over the leaf and its slack; the slack ends with the piece.
-    pub(super) fn answered(&self, piece: &Piece) -> BezierNet {
+    pub(in crate::patch) fn answered(&self, piece: &Piece) -> BezierNet {
         let range = |[from, to]: [f64; 2]| {
             let low = if from == 0.0 { 0.0 } else { -LEAF_SLACK };
             let high = if to == 1.0 { 1.0 } else { 1.0 + LEAF_SLACK };
@@ -242,7 +242,11 @@ impl PartNet {
 
     /// The control points over the rectangle that the certificate speaks of, which ends at a
     /// collapsed side.
-    pub(super) fn widened(&self, piece: &Piece, collapsed: Option<CollapsedSide>) -> BezierNet {
+    pub(in crate::patch) fn widened(
+        &self,
+        piece: &Piece,
+        collapsed: Option<CollapsedSide>,
+    ) -> BezierNet {
         let mut ranges = [[-WIDENING, 1.0 + WIDENING]; 2];
         if let Some(side) = collapsed {
             ranges = side.ended_at_it(ranges);
@@ -251,24 +255,24 @@ impl PartNet {
     }
 
     /// The control points over a rectangle given in sides of the part.
-    pub(super) fn grown(&self, piece: &Piece, s: [f64; 2], t: [f64; 2]) -> BezierNet {
+    pub(in crate::patch) fn grown(&self, piece: &Piece, s: [f64; 2], t: [f64; 2]) -> BezierNet {
         let mut net = BezierNet::from_slice(&self.net);
         bernstein::restrict_net(&mut net, piece.patch.degree(), s, t);
         net
     }
 
     /// The bounding box of the control points.
-    pub(super) fn bounds(&self) -> Aabb {
+    pub(in crate::patch) fn bounds(&self) -> Aabb {
         Aabb::around(self.net.iter().map(|&c| euclidean(c)))
     }
 
     /// Its rectangle on the piece.
-    pub(super) fn rect(&self) -> DyadicRect {
+    pub(in crate::patch) fn rect(&self) -> DyadicRect {
         self.rect
     }
 
     /// The control points.
-    pub(super) fn net(&self) -> &[DVec4] {
+    pub(in crate::patch) fn net(&self) -> &[DVec4] {
         &self.net
     }
 }

@@ -6,12 +6,12 @@ use glam::{DVec2, DVec3, DVec4};
 use smallvec::SmallVec;
 
 use super::chart_net::ChartNet;
-use super::rounded::Up32;
 use super::spline_net::LONGEST_OF_CUBIC;
-use super::{BezierNet, NetRoom, NetSource, PieceNet, StRect};
 use crate::geometry::SurfaceDerivatives;
 use crate::math::bernstein::{self, Basis};
+use crate::math::rounded::Up32;
 use crate::math::{Aabb, prefetch};
+use crate::patch::{BezierNet, NetRoom, NetSource, PieceNet, StRect};
 
 /// The Euclidean points of a control net; those of a bicubic are stored inline.
 pub(super) type Points = SmallVec<[DVec3; 16]>;
@@ -48,7 +48,7 @@ impl TensorPatch {
     /// A piece of a surface, from the row and the column of its first point. The caller has checked
     /// the invariants: only surfaces that satisfy them can be built. Also returns its Euclidean
     /// control points.
-    pub(super) fn new(net: &Arc<ChartNet>, first: [u32; 2]) -> (Self, Points) {
+    pub(in crate::patch) fn new(net: &Arc<ChartNet>, first: [u32; 2]) -> (Self, Points) {
         let zero = Up32::above(0.0);
         let mut patch = Self { net: Arc::clone(net), first, magnitude: zero, size: zero };
         let points = euclidean_net(&patch.control_net());
@@ -74,7 +74,7 @@ impl TensorPatch {
     }
 
     /// A copy of all homogeneous control points, to work on.
-    pub(super) fn control_net(&self) -> BezierNet {
+    pub(in crate::patch) fn control_net(&self) -> BezierNet {
         let [p, q] = self.degree();
         let mut net = BezierNet::from_elem(DVec4::ZERO, (p + 1) * (q + 1));
         let rows = net.chunks_exact_mut(q + 1).enumerate();
@@ -160,7 +160,7 @@ impl TensorPatch {
         self.weight().is_none()
     }
 
-    /// Whether leaves are approximated by quotients: see [`Leaf`](super::Leaf). This is so if the
+    /// Whether leaves are approximated by quotients: see [`Leaf`](crate::patch::Leaf). This is so if the
     /// degrees are three at most, and weights differ.
     #[inline(always)]
     pub(crate) fn has_quotient_leaves(&self) -> bool {
@@ -285,7 +285,7 @@ impl TensorPatch {
     }
 
     /// The vectors across the middle of a rectangle of the unit square, in `s` and in `t`.
-    pub(super) fn chords(&self, [s, t]: StRect) -> [DVec3; 2] {
+    pub(in crate::patch) fn chords(&self, [s, t]: StRect) -> [DVec3; 2] {
         let (ms, mt) = (0.5 * (s[0] + s[1]), 0.5 * (t[0] + t[1]));
         let at = |s: f64, t: f64| self.point(DVec2::new(s, t));
         [at(s[1], mt) - at(s[0], mt), at(ms, t[1]) - at(ms, t[0])]
@@ -323,14 +323,14 @@ impl TensorPatch {
 
 /// The Euclidean point of a homogeneous control point.
 #[inline]
-pub(super) fn euclidean(control: DVec4) -> DVec3 {
+pub(in crate::patch) fn euclidean(control: DVec4) -> DVec3 {
     // Most weights are 1, and divisions take time.
     if control.w == 1.0 { control.truncate() } else { control.truncate() / control.w }
 }
 
 /// The Euclidean points of a control net.
 #[inline]
-pub(super) fn euclidean_net(net: &[DVec4]) -> Points {
+pub(in crate::patch) fn euclidean_net(net: &[DVec4]) -> Points {
     let mut points = Points::from_elem(DVec3::ZERO, net.len());
     for (point, &control) in points.iter_mut().zip(net) {
         *point = euclidean(control);

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::{Leaf, Piece};
 use crate::geometry::trim::WindowCurve;
+use crate::patch::{Leaf, Piece};
 
 /// The windows ([`Trims::window`](crate::geometry::trim::Trims::window)) of all leaves that trim
 /// curves pass through.

@@ -2,13 +2,13 @@
 
 use glam::{DVec3, DVec4};
 
-use super::Piece;
 use super::bicubic::{Fit, NO_WEIGHT, WeightFit, in_both_directions, second_derivatives};
 use super::fit_error::{BLOSSOM, FitError};
-use super::grid::points_at;
-use super::part::PartNet;
-use super::powers::powers;
-use super::tensor::euclidean;
+use crate::patch::Piece;
+use crate::patch::parts::part::PartNet;
+use crate::patch::pieces::grid::points_at;
+use crate::patch::pieces::powers::powers;
+use crate::patch::pieces::tensor::euclidean;
 
 /// Weights are approximated where they are at most this many times the weight in the middle of the
 /// leaf, and at least one over that, everywhere that the bounds of [`FitError`] hold.

@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
 use super::field::{Field, Net};
 use super::tensor::derivative_table;
-use super::{CollapsedSide, TensorPatch};
+use crate::patch::{CollapsedSide, TensorPatch};
 
 /// The unit normal of a patch at a place, from the pole at one of its sides, and the angle, in
 /// radians, by which the rounding of tangents may have turned it; `None` where the pole tells

@@ -7,10 +7,10 @@ use glam::{DVec2, DVec3};
 use super::chart_net::ChartNet;
 use super::pole_normal::normal_by_pole;
 use super::tensor::euclidean;
-use super::{CollapsedSide, Jet, StRect, TensorPatch};
 use crate::geometry::trim::{Side, Trims, UvBox, WindowCurve};
 use crate::geometry::{ChartMap, SurfaceDerivatives};
 use crate::math::bits::has;
+use crate::patch::{CollapsedSide, Jet, StRect, TensorPatch};
 
 /// The smallest sine of the angle between tangents that is used to tell how far a side is; it
 /// replaces smaller ones. So a side counts as no nearer than a thousandth of the way to it along
@@ -60,7 +60,7 @@ pub struct Piece {
 
 impl Piece {
     /// The piece that begins with the given row and column of a net.
-    pub(super) fn new(net: &Arc<ChartNet>, surface: u32, first: [u32; 2]) -> Self {
+    pub(in crate::patch) fn new(net: &Arc<ChartNet>, surface: u32, first: [u32; 2]) -> Self {
         let (patch, points) = TensorPatch::new(net, first);
         let [u, v] = [0, 1].map(|k| &net.spans[k][first[k] as usize]);
         let bit = |k: usize, set: bool| u8::from(set) << k;
@@ -138,7 +138,7 @@ impl Piece {
     }
 
     /// What the trims look like within a rectangle, in box coordinates: see [`Trims::window`].
-    pub(super) fn trim_window(&self, rect: StRect) -> Vec<WindowCurve> {
+    pub(in crate::patch) fn trim_window(&self, rect: StRect) -> Vec<WindowCurve> {
         let Some(trims) = self.trims() else { return Vec::new() };
         let [min, max] = [0, 1].map(|k| self.chart_uv(DVec2::new(rect[0][k], rect[1][k])));
         trims.window(&UvBox { min, max }, self.uv_rounding())
@@ -157,7 +157,7 @@ impl Piece {
 
     /// The box of the chart's parameters over a part of the unit square, grown by their rounding
     /// error.
-    pub(super) fn uv_box(&self, rect: StRect) -> UvBox {
+    pub(in crate::patch) fn uv_box(&self, rect: StRect) -> UvBox {
         let at = |k: usize| self.chart_uv(DVec2::new(rect[0][k], rect[1][k]));
         UvBox { min: at(0), max: at(1) }.grown(self.uv_rounding())
     }

@@ -2,20 +2,20 @@
 
 use glam::{DVec3, DVec4};
 
-use super::field::{Field, Net};
-use super::oriented_box::Axes;
 use super::tangent_pairs::PairTurns;
-use super::tensor::euclidean;
-use super::{CollapsedSide, mapped};
 use crate::math::Interval;
 use crate::math::bernstein::MAX_DEGREE;
+use crate::patch::oriented_box::Axes;
+use crate::patch::pieces::field::{Field, Net};
+use crate::patch::pieces::tensor::euclidean;
+use crate::patch::{CollapsedSide, mapped};
 
-/// What is proved about a leaf, in the notation of [`Certificate`](super::Certificate).
+/// What is proved about a leaf, in the notation of [`Certificate`](crate::patch::Certificate).
 pub(super) struct TangentBounds {
     /// The ranges of `g |a₀| / |a₀ × b₀|` and `h |b₀| / |a₀ × b₀|`; at a pole, symmetric about
     /// zero.
     pub(super) turning: [Interval; 2],
-    /// See [`Certificate::bend`](super::Certificate::bend).
+    /// See [`Certificate::bend`](crate::patch::Certificate::bend).
     pub(super) bend: [[f64; 2]; 2],
     /// A point `ε` off the ray is within `ε·spread / cos θ` of the root, in sides of the leaf.
     pub(super) spread: f64,
@@ -314,7 +314,7 @@ fn over_positive_to_nearest(interval: Interval, divisor: Interval) -> Interval {
 
 /// How both tangents turn over a leaf, in the frame of its axes.
 struct Turning {
-    /// `g` and `h` of [`Certificate`](super::Certificate).
+    /// `g` and `h` of [`Certificate`](crate::patch::Certificate).
     across: [Interval; 2],
     /// A lower bound of `|n·(ā × b̄)|` in units of `|a₀ × b₀|`.
     least: f64,
@@ -351,7 +351,7 @@ mod tests {
     use super::*;
     use crate::math::testing::same_cases;
     use crate::patch::TensorPatch;
-    use crate::patch::chart_net::ChartNet;
+    use crate::patch::pieces::chart_net::ChartNet;
 
     /// Nets of gently bent patches; weights differ or do not.
     fn nets() -> impl Strategy<Value = ([usize; 2], Vec<DVec4>, bool)> {

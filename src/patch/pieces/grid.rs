@@ -5,7 +5,7 @@ use glam::{DVec3, DVec4};
 use crate::math::bernstein;
 
 /// The points of a net's surface at each pair of these places.
-pub(super) fn points_at<const M: usize>(
+pub(in crate::patch) fn points_at<const M: usize>(
     places: [f64; M],
     degree: [usize; 2],
     net: &[DVec4],

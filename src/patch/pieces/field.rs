@@ -4,37 +4,40 @@
 use glam::{DVec3, DVec4};
 
 use super::tensor::euclidean;
-use super::{BezierNet, CollapsedSide, mapped};
 use crate::math::Interval;
 use crate::math::bernstein::binomials;
+use crate::patch::{BezierNet, CollapsedSide, mapped};
 
 /// The homogeneous control net over a leaf's widened rectangle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Net<'a> {
-    pub(super) degree: [usize; 2],
-    pub(super) control: &'a [DVec4],
+pub(in crate::patch) struct Net<'a> {
+    pub(in crate::patch) degree: [usize; 2],
+    pub(in crate::patch) control: &'a [DVec4],
     /// The error bound of a control point, in scene units.
-    pub(super) noise: f64,
+    pub(in crate::patch) noise: f64,
     /// Whether the weights differ.
-    pub(super) rational: bool,
+    pub(in crate::patch) rational: bool,
     /// The rounding error of the parameters, as fractions of the net's sides.
-    pub(super) spacing: [f64; 2],
+    pub(in crate::patch) spacing: [f64; 2],
 }
 
 impl Net<'_> {
-    pub(super) fn middle(&self) -> DVec3 {
+    pub(in crate::patch) fn middle(&self) -> DVec3 {
         euclidean(self.control[self.control.len() / 2])
     }
 
     /// The coefficients `(w (P − c), w)`.
     #[inline(always)]
-    pub(super) fn recentred(&self, center: DVec3) -> Field {
+    pub(in crate::patch) fn recentred(&self, center: DVec3) -> Field {
         let values = mapped(self.control, |c| (c.truncate() - c.w * center).extend(c.w));
         Field { degree: self.degree, values }
     }
 
     /// The net turned so that the collapsed side becomes `t = 0`.
-    pub(super) fn with_collapsed_first(&self, side: CollapsedSide) -> ([usize; 2], BezierNet) {
+    pub(in crate::patch) fn with_collapsed_first(
+        &self,
+        side: CollapsedSide,
+    ) -> ([usize; 2], BezierNet) {
         let [p, q] = self.degree;
         let at = |i: usize, j: usize| self.control[i * (q + 1) + j];
         let turned = |rows: usize, columns: usize, pick: &dyn Fn(usize, usize) -> DVec4| {
@@ -53,13 +56,13 @@ impl Net<'_> {
 }
 
 /// Bernstein coefficients of three components and a weight on a rectangle.
-pub(super) struct Field {
-    pub(super) degree: [usize; 2],
-    pub(super) values: BezierNet,
+pub(in crate::patch) struct Field {
+    pub(in crate::patch) degree: [usize; 2],
+    pub(in crate::patch) values: BezierNet,
 }
 
 impl Field {
-    pub(super) fn derivative_s(&self) -> Self {
+    pub(in crate::patch) fn derivative_s(&self) -> Self {
         let [p, q] = self.degree;
         let mut values = BezierNet::from_slice(&self.values[q + 1..]);
         for (after, here) in values.iter_mut().zip(&self.values) {
@@ -68,7 +71,7 @@ impl Field {
         Self { degree: [p - 1, q], values }
     }
 
-    pub(super) fn derivative_t(&self) -> Self {
+    pub(in crate::patch) fn derivative_t(&self) -> Self {
         let [p, q] = self.degree;
         let mut values = BezierNet::from_elem(DVec4::ZERO, (p + 1) * q);
         for (to, row) in values.chunks_exact_mut(q).zip(self.values.chunks_exact(q + 1)) {
@@ -80,7 +83,7 @@ impl Field {
     }
 
     /// The quotient by `t`; the first coefficient of each row is taken for zero.
-    pub(super) fn over_t(&self) -> Self {
+    pub(in crate::patch) fn over_t(&self) -> Self {
         let [p, q] = self.degree;
         let pairs = (0..=p).flat_map(|i| (0..q).map(move |j| (i, j)));
         let factor = |j: usize| q as f64 / (j + 1) as f64;
@@ -92,7 +95,7 @@ impl Field {
     ///
     /// For `bᵢ = C(p, i) sⁱ (1 − s)ᵖ⁻ⁱ`,
     /// `bᵢ bⱼ′ − bⱼ bᵢ′ = C(p, i) C(p, j) (j − i) sⁱ⁺ʲ⁻¹ (1 − s)²ᵖ⁻ⁱ⁻ʲ⁻¹`.
-    pub(super) fn quotients_slope(&self, which: usize) -> Self {
+    pub(in crate::patch) fn quotients_slope(&self, which: usize) -> Self {
         let mut degree = self.degree;
         let (p, q) = (degree[which], degree[1 - which]);
         let at = |i: usize, k: usize| {
@@ -126,21 +129,21 @@ impl Field {
     }
 
     /// The points less the centre.
-    pub(super) fn offsets(&self) -> Self {
+    pub(in crate::patch) fn offsets(&self) -> Self {
         let values = mapped(&self.values, |x| (x.truncate() / x.w).extend(1.0));
         Self { degree: self.degree, values }
     }
 
-    pub(super) fn weights(&self) -> Interval {
+    pub(in crate::patch) fn weights(&self) -> Interval {
         Interval::hull(self.values.iter().map(|value| value.w))
     }
 
     /// The range of the component along a direction.
-    pub(super) fn component(&self, direction: DVec3) -> Interval {
+    pub(in crate::patch) fn component(&self, direction: DVec3) -> Interval {
         Interval::hull(self.values.iter().map(|value| direction.dot(value.truncate())))
     }
 
-    pub(super) fn length(&self) -> f64 {
+    pub(in crate::patch) fn length(&self) -> f64 {
         self.values.iter().map(|value| value.truncate().length_squared()).fold(0.0, f64::max).sqrt()
     }
 }

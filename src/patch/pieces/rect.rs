@@ -31,16 +31,16 @@ const MOST_STEPS: u32 = 16;
 
 impl DyadicRect {
     /// The unit square.
-    pub(super) const UNIT: Self = Self([MOST_STEPS; 2]);
+    pub(in crate::patch) const UNIT: Self = Self([MOST_STEPS; 2]);
 
     /// How often the unit square can be halved in a direction and still be no smaller.
-    pub(super) fn halvings(self, direction: usize) -> u32 {
+    pub(in crate::patch) fn halvings(self, direction: usize) -> u32 {
         let Steps { bits, count, .. } = Steps::of(self.0[direction]);
         bits - count.ilog2()
     }
 
     /// The lower or upper half; of a range that is halved less often than a piece may be.
-    pub(super) fn half(mut self, direction: usize, side: u32) -> Self {
+    pub(in crate::patch) fn half(mut self, direction: usize, side: u32) -> Self {
         let mut steps = Steps::of(self.0[direction]);
         if steps.count.is_multiple_of(2) {
             steps.count /= 2;
@@ -55,7 +55,7 @@ impl DyadicRect {
 
     /// A rectangle that holds a part of this one, about the smallest that can be stored, but no
     /// narrower than [`FINEST_CUT`] allows.
-    pub(super) fn cut_down_to(mut self, part: StRect) -> Self {
+    pub(in crate::patch) fn cut_down_to(mut self, part: StRect) -> Self {
         for (number, [from, to]) in self.0.iter_mut().zip(part) {
             let steps = Steps::of(*number);
             let end = steps.first + steps.count;

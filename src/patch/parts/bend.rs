@@ -2,10 +2,10 @@
 
 use glam::{DVec3, DVec4};
 
-use super::grid::points_at;
-use super::tensor::euclidean_net;
-use super::{CollapsedSide, DyadicRect, Piece};
 use crate::math::Aabb;
+use crate::patch::pieces::grid::points_at;
+use crate::patch::pieces::tensor::euclidean_net;
+use crate::patch::{CollapsedSide, DyadicRect, Piece};
 
 /// A piece is not halved more often than this in one direction: 2⁻¹⁶ of a side is small
 /// for any surface worth drawing, and a cusp would never become flat.
@@ -231,8 +231,8 @@ fn larger(angles: [f64; 2], sides: [f64; 2]) -> usize {
 mod tests {
     use glam::{DAffine3, DQuat, DVec3};
 
-    use super::super::{Leaf, PatchSet, ScaledFrame};
     use crate::geometry::{KnotVector, NurbsSurface, shapes};
+    use crate::patch::{Leaf, PatchSet, ScaledFrame};
 
     /// Directions all around, none of them special.
     fn directions() -> impl Iterator<Item = DVec3> {

@@ -20,7 +20,7 @@ const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
 ///
 /// `ā × b̄ = ½ Σ_ij λ_i λ_j N_ij`, `N_ij = a_i × b_j + a_j × b_i`.
 ///
-/// In the frame of [`Certificate`](super::Certificate), with `a_i = α₁ a₀ + α₂ b₀ + α₃ n` and `b_j`
+/// In the frame of [`Certificate`](crate::patch::Certificate), with `a_i = α₁ a₀ + α₂ b₀ + α₃ n` and `b_j`
 /// likewise,
 ///
 /// `N_ij = m (a₀ × b₀) + g (a₀ × n) + h (b₀ × n)`,
@@ -149,7 +149,7 @@ mod tests {
     use super::*;
     use crate::math::testing::same_cases;
     use crate::patch::TensorPatch;
-    use crate::patch::chart_net::ChartNet;
+    use crate::patch::pieces::chart_net::ChartNet;
 
     /// Nodes and weights of Gauss's rule of four points on [0, 1].
     const GAUSS: [[f64; 2]; 4] = [

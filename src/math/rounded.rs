@@ -4,11 +4,11 @@ use crate::math::rounding;
 
 /// A number not below zero, rounded up: the upper half of an f32. It is larger by less than 1 %.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Up16(u16);
+pub(crate) struct Up16(u16);
 
 impl Up16 {
     /// The least such number that is not below `x`; infinity for NaN.
-    pub(super) fn above(x: f64) -> Self {
+    pub(crate) fn above(x: f64) -> Self {
         if x.is_nan() {
             return Self::above(f64::INFINITY);
         }
@@ -17,23 +17,23 @@ impl Up16 {
     }
 
     #[inline(always)]
-    pub(super) fn value(self) -> f32 {
+    pub(crate) fn value(self) -> f32 {
         f32::from_bits(u32::from(self.0) << 16)
     }
 }
 
 /// A number rounded to nearest: the upper half of an f32, with eight binary digits.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Near16(u16);
+pub(crate) struct Near16(u16);
 
 impl Near16 {
-    pub(super) fn to(x: f64) -> Self {
+    pub(crate) fn to(x: f64) -> Self {
         let bits = (x as f32).to_bits();
         Self((bits.saturating_add(0x8000) >> 16) as u16)
     }
 
     #[inline(always)]
-    pub(super) fn value(self) -> f32 {
+    pub(crate) fn value(self) -> f32 {
         f32::from_bits(u32::from(self.0) << 16)
     }
 }
@@ -41,14 +41,14 @@ impl Near16 {
 /// A number not below zero, rounded up to four digits: zero, or from 1.125 · 2⁻²¹ to 1.75 · 2¹⁰, or
 /// infinity.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Up8(u8);
+pub(crate) struct Up8(u8);
 
 impl Up8 {
     /// How much larger the exponent's code is in f32.
     const BIAS: u32 = (127 - 21) << 3;
 
     /// The least such number that is not below `x`; infinity for NaN.
-    pub(super) fn above(x: f64) -> Self {
+    pub(crate) fn above(x: f64) -> Self {
         let bits = u32::from(Up16::above(x).0);
         // The upper twelve bits, rounded up, are eight of exponent and three of mantissa, after the
         // sign.
@@ -57,7 +57,7 @@ impl Up8 {
     }
 
     #[inline(always)]
-    pub(super) fn value(self) -> f32 {
+    pub(crate) fn value(self) -> f32 {
         match self.0 {
             0 => 0.0,
             0xff => f32::INFINITY,
@@ -69,16 +69,16 @@ impl Up8 {
 /// A number not below zero, rounded up: the upper half of an f64, which keeps its range in less
 /// room.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Up32(u32);
+pub(crate) struct Up32(u32);
 
 impl Up32 {
-    pub(super) fn above(x: f64) -> Self {
+    pub(crate) fn above(x: f64) -> Self {
         let bits = x.to_bits();
         let cut_off = bits & 0xffff_ffff != 0;
         Self((bits >> 32) as u32 + u32::from(cut_off))
     }
 
-    pub(super) fn value(self) -> f64 {
+    pub(crate) fn value(self) -> f64 {
         f64::from_bits(u64::from(self.0) << 32)
     }
 }

@@ -36,10 +36,10 @@
 use glam::{DVec3, DVec4};
 use smallvec::SmallVec;
 
-use super::Piece;
 use super::bicubic::{Fit, in_both_directions};
-use super::part::PartNet;
 use crate::math::bernstein::binomials;
+use crate::patch::Piece;
+use crate::patch::parts::part::PartNet;
 
 /// The bounds hold up to this far from the middle, in box coordinates: Newton's steps may stray
 /// there.

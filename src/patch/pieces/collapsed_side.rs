@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::StRect;
+use crate::patch::StRect;
 
 /// Which side of a rectangle is collapsed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,7 +44,7 @@ impl CollapsedSide {
 
     /// A rectangle, or range of parameters, made to end at this side.
     #[inline(always)]
-    pub(super) fn ended_at_it(self, [s, t]: StRect) -> StRect {
+    pub(in crate::patch) fn ended_at_it(self, [s, t]: StRect) -> StRect {
         match self {
             Self::S(0) => [[0.0, s[1]], t],
             Self::S(_) => [[s[0], 1.0], t],

@@ -11,8 +11,9 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Part, Piece};
 use crate::math::Aabb;
+use crate::patch::pieces::chart_grid::Grid;
+use crate::patch::{Part, Piece};
 
 /// The parts of pieces that become leaves, and which of them are kept together: consecutive groups
 /// of neighbours on a surface, each of at least one part and no more than sixteen.
@@ -25,15 +26,6 @@ pub(crate) struct GroupedParts {
 /// The most parts that are kept together.
 pub(crate) const MOST_TOGETHER: usize = 16;
 const _: () = assert!(MOST_TOGETHER.is_power_of_two());
-
-/// The pieces of a chart, row by row: the index of the first among all pieces, and the numbers of
-/// rows and columns.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Grid {
-    pub(super) first: usize,
-    pub(super) rows: usize,
-    pub(super) columns: usize,
-}
 
 /// A few rows and columns of a grid.
 struct Tile {
@@ -54,19 +46,19 @@ impl GroupedParts {
     }
 
     /// A box that holds all points that leaves of these parts answer for.
-    pub(super) fn bounds(&self) -> Aabb {
+    pub(in crate::patch) fn bounds(&self) -> Aabb {
         self.parts.iter().fold(Aabb::EMPTY, |bounds, part| bounds.union(part.bounds))
     }
 
     /// Parts that are not kept together with others.
-    pub(super) fn single(parts: Vec<Part>) -> Self {
+    pub(in crate::patch) fn single(parts: Vec<Part>) -> Self {
         let groups = vec![1; parts.len()];
         Self { parts, groups }
     }
 
     /// The parts of all pieces of the grids, tile by tile, in the order of the grids, whatever the
     /// number of threads. `add_parts` adds those of one piece.
-    pub(super) fn of(
+    pub(in crate::patch) fn of(
         pieces: &[Piece],
         grids: &[Grid],
         add_parts: impl Fn(usize, &mut Vec<Part>) + Sync,
@@ -94,7 +86,7 @@ impl GroupedParts {
     }
 
     /// Adds the groups of others after its own.
-    pub(super) fn append(&mut self, others: Self) {
+    pub(in crate::patch) fn append(&mut self, others: Self) {
         self.parts.extend(others.parts);
         self.groups.extend(others.groups);
     }
@@ -114,16 +106,6 @@ impl GroupedParts {
 }
 
 impl Grid {
-    /// How many pieces there are.
-    pub(super) fn count(&self) -> usize {
-        self.rows * self.columns
-    }
-
-    /// The indices of the pieces among all.
-    pub(super) fn pieces(&self) -> Range<usize> {
-        self.first..self.first + self.count()
-    }
-
     /// Tiles of [`MOST_TOGETHER`] pieces, fewer at the ends, about as long as they are wide.
     /// Squares of that many rows and columns are each cut into tiles of one shape, chosen by the
     /// sides of their own pieces.
