@@ -1,23 +1,23 @@
 //! Everything becomes Bézier pieces, and pieces become leaves.
 //!
-//! *Pieces* (`pieces`). A surface is clamped and its knots are inserted to full multiplicity. Each rectangle between
-//! neighbouring knots is then a [`TensorPatch`], a rational Bézier piece, and neighbouring pieces
-//! share the control points of their common edge bit for bit. The Bézier points of dense surfaces
-//! are not kept, but computed from the surface's own control points when needed. A [`Piece`] is
-//! such a patch with its place: which surface, which rectangle of its knot domain, which sides are
-//! borders, and which are collapsed to a point. Points are always computed on the whole piece, in
-//! one order of operations, so that neighbouring leaves agree on their common line: by Bernstein
-//! functions, or, where speed counts, in power form (`powers`).
+//! *Pieces* (`pieces`). A surface is clamped and its knots are inserted to full multiplicity. Each
+//! rectangle between neighbouring knots is then a [`TensorPatch`], a rational Bézier piece, and
+//! neighbouring pieces share the control points of their common edge bit for bit. The Bézier points
+//! of dense surfaces are not kept, but computed from the surface's own control points when needed.
+//! A [`Piece`] is such a patch with its place: which surface, which rectangle of its knot domain,
+//! which sides are borders, and which are collapsed to a point. Points are always computed on the
+//! whole piece, in one order of operations, so that neighbouring leaves agree on their common line:
+//! by Bernstein functions, or, where speed counts, in power form (`powers`).
 //!
 //! *Parts* (`parts`). A piece is halved until it is flat; where trims cut something off, parts are
 //! cut down to what is kept. The parts of neighbouring pieces of dense surfaces are kept together
 //! (`tiles`), so that blocks of the tree are full.
 //!
-//! *Leaves*. `leaves` chooses the parts of a scene that become leaves. A [`Leaf`] (`leaf`) is what is kept of a part to search it, and only for that: an
-//! approximation (`fit`), bounds ([`Aabb`] and `oriented_box`) that are proved to hold all points
-//! of the leaf, what hits are compared with where trims pass (`trim_windows`), and a `certificate`:
-//! the proof, made once, that every ray steep enough to the leaf's mean normal meets it at most
-//! once.
+//! *Leaves*. `leaves` chooses the parts of a scene that become leaves. A [`Leaf`] (`leaf`) is what
+//! is kept of a part to search it, and only for that: an approximation (`fit`), bounds ([`Aabb`]
+//! and `oriented_box`) that are proved to hold all points of the leaf, what hits are compared with
+//! where trims pass (`trim_windows`), and a `certificate`: the proof, made once, that every ray
+//! steep enough to the leaf's mean normal meets it at most once.
 //!
 //! A `PatchSet` (`set`) holds the pieces of all surfaces of a scene.
 //!
