@@ -110,7 +110,7 @@ impl Tracer<'_> {
         packet.ask(wanted);
         self.findings.statistics.rays += shots.len() as u64;
         let view = self.bvh.view();
-        dispatch!(level, simd => trace(simd, &view, (shots, &mut *ahead), packet, work));
+        dispatch!(level, simd => trace(simd, &view, shots, ahead, packet, work));
     }
 
     /// Searches, ray by ray, the leaves that the packet could not decide.

@@ -10,6 +10,13 @@ use crate::intersect::Root;
 use crate::math::rounding;
 use crate::patch::{Leaf, TensorPatch, WIDENING};
 
+/// The line that a ray lies on: a point, and a unit vector in f32.
+#[derive(Clone, Copy)]
+pub(super) struct Line {
+    pub(super) origin: DVec3,
+    pub(super) axis: [f32; 3],
+}
+
 /// A ray's start.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Start<'a> {
@@ -28,20 +35,22 @@ impl Start<'_> {
     }
 
     /// Whether the ray starts on a leaf and is known not to meet it again. `certified` says whether
-    /// the leaf's certificate holds for the ray from `origin` along the unit vector `axis`, `error`
-    /// is the error bound of a point's distance from the ray.
+    /// the leaf's certificate holds for the ray, `error` is the error bound of a point's distance
+    /// from it.
     #[inline(always)]
     pub(super) fn is_done_with<S: Simd>(
         &self,
         simd: S,
-        (fitted, patch): (Fitted<'_>, &TensorPatch),
-        (origin, axis): (DVec3, [f32; 3]),
-        (certified, error): (bool, f64),
+        fitted: Fitted<'_>,
+        patch: &TensorPatch,
+        line: Line,
+        certified: bool,
+        error: f64,
     ) -> bool {
         if certified {
             self.is_root_of(fitted.leaf)
         } else {
-            self.departs_from(simd, (fitted, patch), (origin, axis), error)
+            self.departs_from(simd, fitted, patch, line, error)
         }
     }
 
@@ -59,8 +68,9 @@ impl Start<'_> {
     fn departs_from<S: Simd>(
         &self,
         simd: S,
-        (fitted, patch): (Fitted<'_>, &TensorPatch),
-        (ray_origin, axis): (DVec3, [f32; 3]),
+        fitted: Fitted<'_>,
+        patch: &TensorPatch,
+        line: Line,
         error: f64,
     ) -> bool {
         let leaf = fitted.leaf;
@@ -69,8 +79,8 @@ impl Start<'_> {
         if !(nearby && self.ahead) {
             return false;
         }
-        let [x, y, z] = (ray_origin - leaf.middle).as_vec3().to_array();
-        let [dx, dy, dz] = axis;
+        let [x, y, z] = (line.origin - leaf.middle).as_vec3().to_array();
+        let [dx, dy, dz] = line.axis;
         let reach = root.error + error;
         let departure = Departure {
             place: [f32x16::splat(simd, place[0]), f32x16::splat(simd, place[1])],
@@ -79,7 +89,7 @@ impl Start<'_> {
             reach: f32x16::splat(simd, rounding::f32_above(reach)),
         };
         let Final { surely, if_near } = departure.is_final(simd, fitted);
-        let near = || patch.point(root.st).distance(ray_origin) <= reach;
+        let near = || patch.point(root.st).distance(line.origin) <= reach;
         surely & 1 != 0 || (if_near & 1 != 0 && near())
     }
 }

@@ -76,12 +76,13 @@ impl Apart {
         &self,
         simd: S,
         packet: &Packet,
-        children: (&Node, u32),
+        node: &Node,
+        met: u32,
         rays: u64,
     ) -> [u64; LANES] {
         match &self.inverse {
             Some(inverse) if self.one_by_one => {
-                meeting_one_by_one(simd, packet, inverse, children, rays)
+                meeting_one_by_one(simd, packet, inverse, node, met, rays)
             }
             _ => [rays; LANES],
         }
@@ -93,12 +94,13 @@ impl Apart {
     pub(super) fn leaves<S: Simd>(
         &mut self,
         simd: S,
-        (block, met): (&LeafBlock, u32),
+        block: &LeafBlock,
+        met: u32,
         packet: &Packet,
         rays: u64,
     ) -> u64 {
         if self.one_by_one {
-            return leaves_of_rays(simd, (block, met), packet, rays);
+            return leaves_of_rays(simd, block, met, packet, rays);
         }
         if met.count_ones() <= FEW {
             return for_all(met);
@@ -141,7 +143,8 @@ fn meeting_one_by_one<S: Simd>(
     simd: S,
     packet: &Packet,
     inverse: &Lanes3f,
-    (node, met): (&Node, u32),
+    node: &Node,
+    met: u32,
     rays: u64,
 ) -> [u64; LANES] {
     let mut meeting = [0; LANES];
@@ -181,7 +184,8 @@ fn meeting_one_by_one<S: Simd>(
 #[simd]
 fn leaves_of_rays<S: Simd>(
     simd: S,
-    (block, met): (&LeafBlock, u32),
+    block: &LeafBlock,
+    met: u32,
     packet: &Packet,
     rays: u64,
 ) -> u64 {

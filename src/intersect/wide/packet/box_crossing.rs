@@ -10,6 +10,8 @@ use crate::patch::OrientedBox;
 /// Which of sixteen rays meet a leaf's box, where they cross its middle, and the slopes of their
 /// directions by the box's rows.
 pub(crate) struct BoxCrossing<S: Simd> {
+    /// The first of the rays in their packet.
+    pub(super) base: usize,
     pub met: mask32x16<S>,
     pub x: f32x16<S>,
     pub y: f32x16<S>,
@@ -59,5 +61,5 @@ pub(crate) fn cross_box<S: Simd>(
     let z = (-at[2] * inverse).max(entry).min(exit);
     let x = z.mul_add(along[0], at[0]).max(-one).min(one);
     let y = z.mul_add(along[1], at[1]).max(-one).min(one);
-    BoxCrossing { met, x, y, entry, exit, slopes: along }
+    BoxCrossing { base, met, x, y, entry, exit, slopes: along }
 }

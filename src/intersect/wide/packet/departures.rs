@@ -20,7 +20,8 @@ impl Packet {
         simd: S,
         base: usize,
         target: &Target<'_>,
-        (magnitude, factor): (f32x16<S>, f64),
+        magnitude: f32x16<S>,
+        factor: f64,
     ) -> u32 {
         let leaf = target.leaf;
         let nearby = [f32x16::splat(simd, -MAY_START), f32x16::splat(simd, MAY_START)];

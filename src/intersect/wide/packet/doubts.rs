@@ -8,7 +8,9 @@
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, mask32x16};
 use fearless_simd_macros::simd;
 
+use super::box_crossing::BoxCrossing;
 use super::rays::Packet;
+use super::screening::Asked;
 use super::target::Target;
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::proof::bounds::{DISTANCE_ROUNDING, LARGEST};
@@ -82,17 +84,19 @@ impl Doubts {
         self.count >= LANES
     }
 
-    /// Puts aside those of sixteen rays whose bit is set in `lanes`, with their distances from a
-    /// leaf and where they enter its box; `error` is the error bound of a point's distance from the
-    /// ray. Returns the lanes for which nothing can be proved.
+    /// Puts aside those of sixteen rays that are asked for, with their distances from a leaf and
+    /// where they enter its box. Returns the lanes for which nothing can be proved.
     #[simd]
     pub(super) fn put<S: Simd>(
         &mut self,
         simd: S,
-        (target, distances): (&Target<'_>, &LaneDistances),
-        (packet, base): (&Packet, usize),
-        (lanes, entry, error): (u32, f32x16<S>, f32x16<S>),
+        target: &Target<'_>,
+        distances: &LaneDistances,
+        packet: &Packet,
+        crossing: &BoxCrossing<S>,
+        Asked { lanes, error }: Asked<S>,
     ) -> u32 {
+        let BoxCrossing { base, entry, .. } = *crossing;
         let leaf = target.leaf;
         let fitted = target.fitted();
         let terms = distances.terms(simd, sizes(simd, fitted), packet.sixteen(base));

@@ -5,13 +5,12 @@ use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
 use super::rays::Packet;
-use super::target::{Closer, Ground, Ground8, Target};
+use super::target::{Closer, Ground, Ground8, Target, TrueLeaf};
 use crate::geometry::trim::Side;
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::nearest::comes_first;
 use crate::intersect::wide::search::distances::widened;
 use crate::intersect::wide::search::newton::{Converged, Ends, Rays, Verdict, newton};
-use crate::intersect::wide::surface::sums::OneNet;
 use crate::intersect::wide::trimmed::{Places, kept_in_window};
 use crate::intersect::wide::vectors::{Lanes3, dot_d, load3d};
 use crate::intersect::wide::{PACKET, trimmed};
@@ -40,9 +39,11 @@ pub(super) struct Done {
 #[simd]
 pub(super) fn finish_all<S: Simd>(
     simd: S,
-    about: (&Target<'_>, &Closer, &OneNet<'_>),
-    (packet, base): (&mut Packet, usize),
-    (lanes, ground): (u32, Ground<S>),
+    leaf: TrueLeaf<'_>,
+    packet: &mut Packet,
+    base: usize,
+    lanes: u32,
+    ground: &Ground<S>,
     near: &[f32x16<S>; 2],
 ) -> Done {
     let mut all = Done::default();
@@ -53,7 +54,7 @@ pub(super) fn finish_all<S: Simd>(
         }
         let wanted = mask64x8::from_bitmask(simd, wanted);
         let (base, near) = (base + 8 * half, [widened(near[0], half), widened(near[1], half)]);
-        let done = finish(simd, about, packet, base, (wanted, &ground), &near);
+        let done = finish(simd, leaf, packet, base, wanted, ground, &near);
         all.unconverged |= done.unconverged << (8 * half);
         all.undecided |= done.undecided << (8 * half);
         all.found |= done.found;
@@ -72,18 +73,20 @@ pub(super) fn finish_all<S: Simd>(
 #[simd]
 pub(super) fn finish<S: Simd>(
     simd: S,
-    (target, closer, surface): (&Target<'_>, &Closer, &OneNet<'_>),
+    leaf: TrueLeaf<'_>,
     packet: &mut Packet,
     base: usize,
-    (wanted, ground): (mask64x8<S>, &Ground<S>),
+    wanted: mask64x8<S>,
+    ground: &Ground<S>,
     near: &[f64x8<S>; 2],
 ) -> Done {
+    let TrueLeaf { target, closer, .. } = leaf;
     let (certified, domain) = match ground {
         Ground::Certificate => (true, target.certified(simd)),
         Ground::Own(rect) => (false, target.parameters(simd, rect, base % LANES / 8)),
     };
-    let leaves = Ground8 { target, closer, surface, domain, certified, normals: !packet.any };
-    let rays = PacketRays::new(simd, packet, base, (closer.residual_factor, closer.magnitude));
+    let leaves = Ground8 { leaf, domain, certified, normals: !packet.any };
+    let rays = PacketRays::new(simd, packet, base, closer.residual_factor, closer.magnitude);
     let error = rays.error();
     let mut near_pole = simd.splat_mask64x8(false);
     if let (Some(pole), true) = (target.pole, certified) {
@@ -108,15 +111,15 @@ pub(super) fn finish<S: Simd>(
         from_error: if packet.starts.exist { Some(from_error) } else { None },
     };
     let best = eight(simd, &packet.hits.z, base);
-    let Verdict { size, z_error, mut undecided, at_end, acceptable, near_end } =
-        root.verdict(simd, &ends, error, certified);
+    let verdict = root.verdict(simd, &ends, error, certified);
+    let Verdict { size, z_error, mut undecided, at_end, acceptable, near_end } = verdict;
     let tie = acceptable & z.simd_eq(best);
     let mut hit = acceptable & z.simd_lt(best) | earlier(simd, tie, target, packet, base);
     if target.leaf.is_trimmed() {
         // Also asks about roots that cannot be told from the nearest hit: these may lie at an edge.
         let asked = acceptable & z.simd_le(best + near_end) | at_end;
         let reach = f64x8::splat(simd, trimmed::EDGE_REACH) * z_error * speed / size;
-        let [kept, decided] = kept_by_trims(simd, (target, closer), asked, &root.st, reach);
+        let [kept, decided] = kept_by_trims(simd, target, closer, asked, &root.st, reach);
         hit &= kept;
         undecided = (undecided | asked & !decided) & !(decided & !kept);
     }
@@ -126,24 +129,24 @@ pub(super) fn finish<S: Simd>(
         // Nothing more is asked of these rays.
         packet.meet_eight(simd, base, hit.to_bitmask());
     } else if found {
-        let about = (target, closer, certified);
-        put_hits(simd, about, (&mut *packet, base), hit, &root, (size, z_error));
+        put_hits(simd, &leaves, packet, base, hit, &root, &verdict);
     }
     Done { unconverged, undecided: undecided.to_bitmask() as u32, found, steps }
 }
 
 /// Puts the hits of eight rays into a packet: the roots of the lanes in `hit`, each its ray's
-/// nearest so far, with the lengths of the tangents' cross products and the error bounds along the
-/// rays.
+/// nearest so far.
 #[inline(always)] // what goes in are dozens of vectors
 fn put_hits<S: Simd>(
     simd: S,
-    (target, closer, certified): (&Target<'_>, &Closer, bool),
-    (packet, base): (&mut Packet, usize),
+    leaves: &Ground8<'_, S>,
+    packet: &mut Packet,
+    base: usize,
     hit: mask64x8<S>,
     &Converged { st: [root_s, root_t], z, point, cross, speed, .. }: &Converged<S>,
-    (size, z_error): (f64x8<S>, f64x8<S>),
+    &Verdict { size, z_error, .. }: &Verdict<S>,
 ) {
+    let TrueLeaf { target, closer, .. } = leaves.leaf;
     let high = f64x8::splat(simd, 1.0);
     let t_from_z = f64x8::from_slice(simd, &packet.rays.t_from_z[base..base + 8]);
     let ray_t = z * t_from_z;
@@ -155,7 +158,7 @@ fn put_hits<S: Simd>(
         // It is also due where both tangents have nearly one direction, or where no certificate
         // says how well they are known.
         let least = f64x8::splat(simd, LEAST_SINE) * speed * speed;
-        close |= !size.simd_gt(least) | simd.splat_mask64x8(!certified);
+        close |= !size.simd_gt(least) | simd.splat_mask64x8(!leaves.certified);
     }
     if closer.has_near_sides {
         let distances = [root_s, high - root_s, root_t, high - root_t];
@@ -192,14 +195,14 @@ pub(super) fn away_from_pole<S: Simd>(
     simd: S,
     target: &Target<'_>,
     pole: DVec3,
-    (packet, base): (&Packet, usize),
+    packet: &Packet,
+    base: usize,
 ) -> u32 {
     let patch = &target.piece.patch;
     let mut away = 0;
     for half in 0..2 {
         let base = base + 8 * half;
-        let about = (patch.residual_factor(), patch.magnitude());
-        let rays = PacketRays::new(simd, packet, base, about);
+        let rays = PacketRays::new(simd, packet, base, patch.residual_factor(), patch.magnitude());
         let eight = target.is_away_from_pole(simd, pole, &rays).to_bitmask();
         away |= (eight as u32) << (8 * half);
     }
@@ -217,7 +220,7 @@ impl<'a, S: Simd> PacketRays<'a, S> {
     /// The rays from `base` on, for points whose error bound is `factor` times the larger of two
     /// magnitudes: the patch's, and that of the ray's origin.
     #[inline(always)]
-    fn new(simd: S, packet: &'a Packet, base: usize, (factor, magnitude): (f64, f64)) -> Self {
+    fn new(simd: S, packet: &'a Packet, base: usize, factor: f64, magnitude: f64) -> Self {
         let largest = eight(simd, &packet.rays.magnitude, base).max(f64x8::splat(simd, magnitude));
         Self { packet, base, error: f64x8::splat(simd, factor) * largest }
     }
@@ -256,7 +259,8 @@ fn eight<S: Simd>(simd: S, lanes: &[f64; PACKET], base: usize) -> f64x8<S> {
 #[simd]
 fn kept_by_trims<S: Simd>(
     simd: S,
-    (target, closer): (&Target<'_>, &Closer),
+    target: &Target<'_>,
+    closer: &Closer,
     asked: mask64x8<S>,
     st: &[f64x8<S>; 2],
     reach: f64x8<S>,

@@ -1,5 +1,7 @@
 //! One leaf against the rays of a packet, sixteen at a time.
 
+use std::cell::OnceCell;
+
 use fearless_simd::{Simd, SimdBase, f32x16};
 use fearless_simd_macros::simd;
 
@@ -8,9 +10,9 @@ use super::finish::{Done, away_from_pole, finish_all};
 use super::load::{farthest, find_planes};
 use super::rays::Packet;
 use super::read_ahead::{Ahead, Moment};
-use super::screening::screen;
+use super::screening::{Asked, Searched, screen};
 use super::settle::settle;
-use super::target::{Closer, Ground, Target};
+use super::target::{Closer, Ground, Target, TrueLeaf};
 use super::work::Work;
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::PACKET;
@@ -23,17 +25,31 @@ use crate::intersect::wide::view::BvhView;
 use crate::math::rounding;
 use crate::patch::OrientedBox;
 
-/// Searches one leaf for the rays of the packet that may meet it, sixteen by sixteen: the groups
-/// whose bit is set in `groups`.
+/// A leaf of a block.
+pub(super) struct BlockLeaf {
+    pub(super) index: u32,
+    pub(super) oriented: OrientedBox,
+    /// Which rays of the packet may meet it: a bit for each sixteen.
+    pub(super) groups: u32,
+}
+
+/// A leaf that is searched.
+struct Opened<'a> {
+    target: Target<'a>,
+    /// Made when it is needed.
+    closer: OnceCell<Closer>,
+}
+
+/// Searches one leaf for the rays of the packet that may meet it, sixteen by sixteen.
 #[simd]
 pub(super) fn search_leaf<S: Simd, Q>(
     simd: S,
     view: &BvhView<'_>,
-    (index, oriented, groups, ahead): (u32, &OrientedBox, u32, &mut Ahead<'_, Q>),
+    &BlockLeaf { index, ref oriented, mut groups }: &BlockLeaf,
+    ahead: &mut Ahead<'_, Q>,
     packet: &mut Packet,
     work: &mut Work,
 ) {
-    let mut groups = groups;
     // The boxes of most leaves are missed by most rays, so the leaf's data are only touched when
     // they are needed.
     let Some(mut next) = next_group(simd, oriented, packet, &mut groups) else { return };
@@ -41,13 +57,10 @@ pub(super) fn search_leaf<S: Simd, Q>(
         find_planes(simd, packet);
     }
     // Not an option that is filled in the loop: the target would be made elsewhere, and copied.
-    let target = Target::new(view, oriented, index);
-    let mut closer = None;
+    let leaf = Opened { target: Target::new(view, oriented, index), closer: OnceCell::new() };
     let mut found = false;
     loop {
-        let (base, crossing) = next;
-        let rays = (&mut *packet, base, &crossing);
-        found |= search_group(simd, (&target, &mut closer), rays, ahead, work);
+        found |= search_group(simd, &leaf, packet, &next, ahead, work);
         if work.doubts.are_many() {
             settle(simd, view, packet, work, LANES);
         }
@@ -59,15 +72,15 @@ pub(super) fn search_leaf<S: Simd, Q>(
     }
 }
 
-/// The next sixteen rays, of those whose bit is set in `groups`, of which some meet the box: the
-/// index of the first ray, and the rays' ways through the box.
+/// The ways through the box of the next sixteen rays, of those whose bit is set in `groups`, of
+/// which some meet it.
 #[inline(always)]
 fn next_group<S: Simd>(
     simd: S,
     oriented: &OrientedBox,
     packet: &Packet,
     groups: &mut u32,
-) -> Option<(usize, BoxCrossing<S>)> {
+) -> Option<BoxCrossing<S>> {
     while *groups != 0 {
         let base = LANES * groups.trailing_zeros() as usize;
         *groups &= *groups - 1;
@@ -76,22 +89,24 @@ fn next_group<S: Simd>(
         }
         let crossing = cross_box(simd, oriented, &packet.scaled, base);
         if lane_bits(crossing.met) != 0 {
-            return Some((base, crossing));
+            return Some(crossing);
         }
     }
     None
 }
 
-/// Searches one leaf for the sixteen rays from `base` on, whose ways through its box are in
-/// `crossing`; returns whether some ray's nearest hit is new.
+/// Searches one leaf for the sixteen rays whose ways through its box are in `crossing`; returns
+/// whether some ray's nearest hit is new.
 #[inline(always)]
 fn search_group<S: Simd, Q>(
     simd: S,
-    (target, closer): (&Target<'_>, &mut Option<Closer>),
-    (packet, base, crossing): (&mut Packet, usize, &BoxCrossing<S>),
+    leaf: &Opened<'_>,
+    packet: &mut Packet,
+    crossing: &BoxCrossing<S>,
     ahead: &mut Ahead<'_, Q>,
     work: &mut Work,
 ) -> bool {
+    let (target, base) = (&leaf.target, crossing.base);
     let met = lane_bits(crossing.met);
     let patch = &target.piece.patch;
     let factor = patch.residual_factor();
@@ -100,13 +115,13 @@ fn search_group<S: Simd, Q>(
     // The certificate, lane by lane.
     let magnitude = f32x16::from_slice(simd, &packet.scaled.magnitude[base..base + LANES])
         .max(f32x16::splat(simd, rounding::f32_above(patch.magnitude())));
-    let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));
+    let certified = certify(simd, target.leaf, crossing.slopes, magnitude, factor);
     let mut certain = met & lane_bits(certified);
     let mut doubted = met & !certain;
     if packet.starts.exist {
-        certain &= !start_here(simd, target, (&*packet, base), certain);
+        certain &= !start_here(simd, target, packet, base, certain);
         if doubted != 0 {
-            doubted &= !packet.departs_from(simd, base, target, (magnitude, factor));
+            doubted &= !packet.departs_from(simd, base, target, magnitude, factor);
         }
     }
     if certain | doubted == 0 {
@@ -121,8 +136,8 @@ fn search_group<S: Simd, Q>(
     }
     let mut done = Done::default();
     if certain != 0 {
-        let rays = (&mut *packet, base, crossing);
-        done = search_certified(simd, (target, closer), rays, (certain, error), ahead, work);
+        let asked = Asked { lanes: certain, error };
+        done = search_certified(simd, leaf, packet, crossing, asked, ahead, work);
         doubted |= done.unconverged;
     }
     let mut undecided = done.undecided;
@@ -130,34 +145,35 @@ fn search_group<S: Simd, Q>(
         if !known {
             work.distances.take(simd, target.fitted(), packet.sixteen(base));
         }
-        let lanes = (doubted, crossing.entry, error);
-        undecided |= work.doubts.put(simd, (target, &work.distances), (&*packet, base), lanes);
+        let asked = Asked { lanes: doubted, error };
+        undecided |= work.doubts.put(simd, target, &work.distances, packet, crossing, asked);
     }
     work.statistics.newton_iterations += u64::from(done.steps);
     work.leave(base, undecided, target.index);
     done.found
 }
 
-/// Searches for the `certain` of sixteen rays, for which the leaf's certificate holds; `error` is
-/// the error bound of points' distances.
+/// Searches for those of sixteen rays that are asked for; the leaf's certificate holds for them.
 #[inline(always)]
 fn search_certified<S: Simd, Q>(
     simd: S,
-    (target, closer): (&Target<'_>, &mut Option<Closer>),
-    (packet, base, crossing): (&mut Packet, usize, &BoxCrossing<S>),
-    (mut certain, error): (u32, f32x16<S>),
+    leaf: &Opened<'_>,
+    packet: &mut Packet,
+    crossing: &BoxCrossing<S>,
+    asked: Asked<S>,
     ahead: &mut Ahead<'_, Q>,
     work: &mut Work,
 ) -> Done {
+    let target = &leaf.target;
+    let (base, mut certain) = (crossing.base, asked.lanes);
     let mut found = false;
     let start = [crossing.x, crossing.y];
     let widened = f32x16::splat(simd, WIDENED as f32);
     let is_flat = target.leaf.is_flat() && !packet.any;
-    let searched = (!is_flat).then(|| work.distances.newton(simd, start, [[-widened, widened]; 2]));
-    if let Some(searched) = &searched {
-        let search = (&work.distances, crossing, searched);
-        let asked = (certain, error);
-        let Screened { missed, met } = screen(simd, target, (&*packet, base), search, asked);
+    let near = (!is_flat).then(|| work.distances.newton(simd, start, [[-widened, widened]; 2]));
+    if let Some(near) = &near {
+        let searched = Searched { distances: &work.distances, near };
+        let Screened { missed, met } = screen(simd, target, packet, crossing, searched, asked);
         certain &= !(missed | met);
         if met != 0 {
             packet.meet(simd, base, met);
@@ -168,19 +184,15 @@ fn search_certified<S: Simd, Q>(
         return Done { found, ..Done::default() };
     }
     ahead.ask(Moment::Finish);
-    let near = match &searched {
-        Some(searched) => work.distances.refine(simd, searched),
+    let near = match &near {
+        Some(near) => work.distances.refine(simd, near),
         None => start.map(|x| x.max(-widened).min(widened)),
     };
-    let closer = match closer {
-        Some(known) => &*known,
-        none => none.insert(target.closer()),
-    };
-    let lanes = (certain, Ground::Certificate);
+    let closer = leaf.closer.get_or_init(|| target.closer());
     let patch = &target.piece.patch;
-    let net = work.nets.net_of(simd, (target.leaf.piece, patch));
-    let about = (target, closer, &OneNet { patch, net });
-    let finished = finish_all(simd, about, (packet, base), lanes, &near);
+    let net = work.nets.net_of(simd, target.leaf.piece, patch);
+    let leaf = TrueLeaf { target, closer, surface: &OneNet { patch, net } };
+    let finished = finish_all(simd, leaf, packet, base, certain, &Ground::Certificate, &near);
     Done { found: found | finished.found, ..finished }
 }
 
@@ -190,15 +202,14 @@ fn search_certified<S: Simd, Q>(
 fn start_here<S: Simd>(
     simd: S,
     target: &Target<'_>,
-    (packet, base): (&Packet, usize),
+    packet: &Packet,
+    base: usize,
     certain: u32,
 ) -> u32 {
     let certified = [target.certified(simd); 2];
     let starting = certain & packet.starts.are_in(simd, base, target.leaf.piece, &certified);
     match target.pole {
-        Some(pole) if starting != 0 => {
-            starting & away_from_pole(simd, target, pole, (packet, base))
-        }
+        Some(pole) if starting != 0 => starting & away_from_pole(simd, target, pole, packet, base),
         _ => starting,
     }
 }

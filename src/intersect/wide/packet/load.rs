@@ -30,7 +30,7 @@ pub(crate) fn load<S: Simd, Q: Shot>(
     for base in (0..PACKET).step_by(LANES) {
         let low = frames(simd, packet, shots, base);
         let high = frames(simd, packet, shots, base + 8);
-        narrow(simd, packet, base, (&low, &high), scaled);
+        narrow(simd, packet, base, &low, &high, scaled);
     }
     packet.scaled.scale = scaled.scale;
     // Idle lanes end before they begin.
@@ -66,7 +66,7 @@ pub(super) fn change_to<S: Simd>(simd: S, packet: &mut Packet, scaled: &ScaledFr
                 magnitude: of(&packet.rays.magnitude),
             }
         });
-        narrow(simd, packet, base, (&halves[0], &halves[1]), scaled);
+        narrow(simd, packet, base, &halves[0], &halves[1], scaled);
     }
     packet.scaled.scale = scaled.scale;
     let far_off = beyond(simd, packet, reach);
@@ -139,7 +139,7 @@ pub(crate) fn find_planes<S: Simd>(simd: S, packet: &mut Packet) {
                 let [low, high] = normals[k][i];
                 store(simd, &mut packet.rays.normals[k][i], base, low);
                 store(simd, &mut packet.rays.normals[k][i], base + 8, high);
-                store_f(simd, &mut packet.scaled.normals[k][i], base, (low, high));
+                store_f(simd, &mut packet.scaled.normals[k][i], base, low, high);
             }
         }
     }
@@ -157,7 +157,8 @@ fn narrow<S: Simd>(
     simd: S,
     packet: &mut Packet,
     base: usize,
-    (low, high): (&Frames<S>, &Frames<S>),
+    low: &Frames<S>,
+    high: &Frames<S>,
     scaled: &ScaledFrame,
 ) {
     let narrow = Narrow::new(simd, low, high, scaled);
@@ -180,7 +181,8 @@ fn store_f<S: Simd>(
     simd: S,
     lanes: &mut [f32; PACKET],
     base: usize,
-    (low, high): (f64x8<S>, f64x8<S>),
+    low: f64x8<S>,
+    high: f64x8<S>,
 ) {
     simd.narrow_f64x8(low, high).store_slice(&mut lanes[base..base + LANES]);
 }

@@ -82,7 +82,7 @@ pub(super) fn outline<S: Simd, Q: Shot>(simd: S, shots: &[Q], view: &BvhView<'_>
         let last = (middle[k] + reach[k] + moved_by_from.max(moved_by_to)) as f32;
         let nearby = first > -FARTHEST_MOVED && last < FARTHEST_MOVED; // false for NaN
         if !nearby {
-            let beside = least_distance((middle, reach), &unit) > BESIDE;
+            let beside = least_distance(middle, reach, &unit) > BESIDE;
             return if beside { Outline::Beside } else { Outline::Unknown };
         }
         bounds.origin_min[k] = first - (BLUR + 4.0 * ROUNDED);
@@ -108,7 +108,7 @@ fn unit_range([from, to]: [f64; 2], [per_shortest, per_longest]: [f64; 2]) -> [f
 ///
 /// With the middles `m` and `d`, and all else no farther from them than `r` and `e`, this is
 /// `|(m + δ) × (d + ε)| ≥ |m × d| − |m| e − r`, since `d + ε` is a unit vector.
-fn least_distance((middle, reach): ([f64; 3], [f64; 3]), unit: &[[f64; 2]; 3]) -> f64 {
+fn least_distance(middle: [f64; 3], reach: [f64; 3], unit: &[[f64; 2]; 3]) -> f64 {
     let [m, r] = [middle, reach].map(DVec3::from_array);
     let [from, to] = [0, 1].map(|end| DVec3::from_array(unit.map(|range| range[end])));
     let (d, e) = (0.5 * (from + to), 0.5 * (to - from));
@@ -179,7 +179,7 @@ mod tests {
             let middle = o.map(|[from, to]| 0.5 * (from + to));
             let reach = o.map(|[from, to]| 0.5 * (to - from));
             let unit = d.map(|range| unit_range(range, [1.0 / shortest, 1.0 / longest]));
-            let least = least_distance((middle, reach), &unit);
+            let least = least_distance(middle, reach, &unit);
             let lines = origins.iter().zip(&directions);
             let nearest = lines.map(|(o, d)| o.cross(d.normalize()).length());
             let nearest = nearest.fold(f64::INFINITY, f64::min);

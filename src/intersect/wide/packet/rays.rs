@@ -69,12 +69,8 @@ impl Packet {
     /// count, and ahead of the root it starts on. The box was grown by more than the errors of its
     /// leaf or of the ray.
     #[simd]
-    pub(crate) fn within_range<S: Simd>(
-        &self,
-        simd: S,
-        base: usize,
-        crossing: &BoxCrossing<S>,
-    ) -> u32 {
+    pub(crate) fn within_range<S: Simd>(&self, simd: S, crossing: &BoxCrossing<S>) -> u32 {
+        let base = crossing.base;
         let sixteen = base..base + LANES;
         let near = f32x16::from_slice(simd, &self.scaled.near[sixteen.clone()]);
         let far = f32x16::from_slice(simd, &self.scaled.far[sixteen]);

@@ -11,25 +11,40 @@ use crate::intersect::wide::proof::screen::{INSIDE, Screen, Screened};
 use crate::intersect::wide::search::distances::{LaneDistances, NearRoots, sizes};
 use crate::intersect::wide::vectors::{lane_bits, splat};
 
-/// Returns what the last step of the search in f32 proves of rays `base … base + 15` of the packet,
-/// for those that are `asked` for; the leaf's certificate holds for them. `error` is the error
-/// bound of a point's distance from the ray.
+/// Some of sixteen rays.
+#[derive(Clone, Copy)]
+pub(super) struct Asked<S: Simd> {
+    /// A bit for each that is meant.
+    pub(super) lanes: u32,
+    /// The error bound of a point's distance from the ray.
+    pub(super) error: f32x16<S>,
+}
+
+/// A leaf's distances from sixteen rays, and the places near roots that the search in f32 found.
+pub(super) struct Searched<'a, S: Simd> {
+    pub(super) distances: &'a LaneDistances,
+    pub(super) near: &'a NearRoots<S>,
+}
+
+/// Returns what the last step of the search in f32 proves of the rays that cross the leaf's box,
+/// for those that are asked for; the leaf's certificate holds for them.
 #[simd]
 pub(super) fn screen<S: Simd>(
     simd: S,
     target: &Target<'_>,
-    (packet, base): (&Packet, usize),
-    (distances, crossing, searched): (&LaneDistances, &BoxCrossing<S>, &NearRoots<S>),
-    (asked, error): (u32, f32x16<S>),
+    packet: &Packet,
+    crossing: &BoxCrossing<S>,
+    Searched { distances, near }: Searched<'_, S>,
+    Asked { lanes, error }: Asked<S>,
 ) -> Screened {
     // Rays that hit the leaf, as most do, are not worth screening if more is wanted of them.
-    let [x, y] = searched.last.to;
+    let [x, y] = near.last.to;
     let farthest = x.abs().max(y.abs());
-    let outside = asked & !lane_bits(farthest.simd_le(splat(simd, INSIDE)));
+    let outside = lanes & !lane_bits(farthest.simd_le(splat(simd, INSIDE)));
     if target.pole.is_some() || (outside == 0 && !packet.any) {
         return Screened::default();
     }
-    let rays = packet.sixteen(base);
+    let rays = packet.sixteen(crossing.base);
     let screen = Screen {
         leaf: target.leaf,
         oriented: target.oriented,
@@ -38,13 +53,13 @@ pub(super) fn screen<S: Simd>(
         terms: distances.terms(simd, sizes(simd, target.fitted()), rays),
         error: error * splat(simd, target.fitted().heaviest()),
     };
-    let Screened { missed, met } = screen.ask(simd, searched);
+    let Screened { missed, met } = screen.ask(simd, near);
     let met = if packet.any && !target.leaf.is_trimmed() {
-        met & packet.within_range(simd, base, crossing)
+        met & packet.within_range(simd, crossing)
     } else {
         0
     };
-    Screened { missed: outside & missed, met: asked & met }
+    Screened { missed: outside & missed, met: lanes & met }
 }
 
 #[cfg(test)]
@@ -84,18 +99,17 @@ mod tests {
             let crossing = cross_box(simd, &oriented, &packet.scaled, 0);
             let factor = target.piece.patch.residual_factor();
             let magnitude = f32x16::splat(simd, 1e2);
-            let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));
+            let certified = certify(simd, target.leaf, crossing.slopes, magnitude, factor);
             let certified = lane_bits(crossing.met & certified);
             let mut distances = LaneDistances::default();
             distances.take(simd, target.fitted(), packet.sixteen(0));
             let widened = f32x16::splat(simd, WIDENED as f32);
             let start = [crossing.x, crossing.y];
-            let searched = distances.newton(simd, start, [[-widened, widened]; 2]);
+            let near = distances.newton(simd, start, [[-widened, widened]; 2]);
             let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
-            let asked = (certified, error);
-            let rays = (&packet, 0);
-            let search = (&distances, &crossing, &searched);
-            (screen(simd, &target, rays, search, asked), certified)
+            let searched = Searched { distances: &distances, near: &near };
+            let asked = Asked { lanes: certified, error };
+            (screen(simd, &target, &packet, &crossing, searched, asked), certified)
         })
     }
 

@@ -7,7 +7,7 @@ use super::doubts::{Doubt, Taken};
 use super::finish::{Done, finish_all};
 use super::load::farthest;
 use super::rays::Packet;
-use super::target::{Ground, Target};
+use super::target::{Ground, Target, TrueLeaf};
 use super::work::Work;
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::box_ray::BOX_SPARE;
@@ -32,8 +32,7 @@ pub(super) fn settle<S: Simd>(
     let mut found = false;
     while work.doubts.count() >= least {
         let taken = work.doubts.take(simd);
-        let room = (&mut work.parts, &mut work.nets);
-        let done = settle_sixteen(simd, view, packet, &taken, room);
+        let done = settle_sixteen(simd, view, packet, &taken, &mut work.parts, &mut work.nets);
         found |= done.found;
         work.statistics.newton_iterations += u64::from(done.steps);
         for place in set_bits(done.undecided) {
@@ -54,7 +53,8 @@ fn settle_sixteen<S: Simd>(
     view: &BvhView<'_>,
     packet: &mut Packet,
     taken: &Taken<S>,
-    (parts, nets): (&mut Parts, &mut RecentNets),
+    parts: &mut Parts,
+    nets: &mut RecentNets,
 ) -> Done {
     let Taken { pairs, count, distances, errors, lengths } = taken;
     let mut asked = 0;
@@ -64,7 +64,7 @@ fn settle_sixteen<S: Simd>(
         asked |= u32::from(!beyond) << lane;
     }
     let mut all = Done::default();
-    let mut proof = LaneProof::new(simd, (distances, parts), *lengths, *errors, asked);
+    let mut proof = LaneProof::new(simd, distances, parts, *lengths, *errors, asked);
     while let Some((part, lanes)) = proof.next() {
         let lanes = lanes & !all.undecided;
         if lanes == 0 {
@@ -78,7 +78,7 @@ fn settle_sixteen<S: Simd>(
         while left != 0 {
             let Doubt { ray, leaf, .. } = pairs[left.trailing_zeros() as usize];
             let base = ray / LANES * LANES;
-            let group = Group::of(pairs, left, (leaf, base));
+            let group = Group::of(pairs, left, leaf, base);
             left &= !group.places;
             let bytes = group.bytes(simd);
             let oriented = view.tree.oriented(leaf);
@@ -97,10 +97,11 @@ fn settle_sixteen<S: Simd>(
             let near = [near[0].swizzle_dyn(bytes), near[1].swizzle_dyn(bytes)];
             let ground = Ground::Own(moved(domain, bytes));
             let patch = &target.piece.patch;
-            let net = nets.net_of(simd, (target.leaf.piece, patch));
-            let surface = OneNet { patch, net };
-            let about = (&target, &target.closer(), &surface);
-            let done = finish_all(simd, about, (&mut *packet, base), (wanted, ground), &near);
+            let net = nets.net_of(simd, target.leaf.piece, patch);
+            let closer = target.closer();
+            let leaf =
+                TrueLeaf { target: &target, closer: &closer, surface: &OneNet { patch, net } };
+            let done = finish_all(simd, leaf, packet, base, wanted, &ground, &near);
             all.found |= done.found;
             all.steps += done.steps;
             all.undecided |= group.places_of(done.undecided);
@@ -125,7 +126,7 @@ struct Group {
 
 impl Group {
     /// The pairs of this leaf and these rays among `places`.
-    fn of(pairs: &[Doubt; LANES], places: u32, (leaf, base): (u32, usize)) -> Self {
+    fn of(pairs: &[Doubt; LANES], places: u32, leaf: u32, base: usize) -> Self {
         let mut group = Self { places: 0, lanes: 0, place: [0; LANES] };
         for at in set_bits(places) {
             let pair = &pairs[at];

@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
 use super::apart::ALL;
-use super::leaf::search_leaf;
+use super::leaf::{BlockLeaf, search_leaf};
 use super::load::{change_to, load};
 use super::outline::{Outline, outline};
 use super::rays::Packet;
@@ -27,7 +27,8 @@ use crate::math::bits::set_bits;
 pub(crate) fn trace<S: Simd, Q: Shot>(
     simd: S,
     view: &BvhView<'_>,
-    (shots, ahead): (&[Q], &mut Ahead<'_, Q>),
+    shots: &[Q],
+    ahead: &mut Ahead<'_, Q>,
     packet: &mut Packet,
     work: &mut Work,
 ) {
@@ -52,15 +53,14 @@ pub(crate) fn trace<S: Simd, Q: Shot>(
         ahead.ask(Moment::Box);
         match code.child() {
             Child::Block(index) => {
-                let block = (index, rays, &mut *ahead);
-                search_block(simd, view, block, packet, work);
+                search_block(simd, view, index, rays, ahead, packet, work);
             }
             Child::Node(index) => {
                 work.statistics.nodes += 1;
                 let node = &tree.nodes[index as usize];
                 let (entries, met) =
                     enter(simd, node, &packet.scaled.bounds, packet.scaled.farthest);
-                let meeting = work.apart.meeting(simd, packet, (node, met), rays);
+                let meeting = work.apart.meeting(simd, packet, node, met, rays);
                 let kept = (0..LANES).map(|k| u32::from(meeting[k] != 0) << k).sum::<u32>();
                 let visit = |k: usize| (entries[k], node.child[k], meeting[k]);
                 push_in_order(simd, &mut work.stack, &entries, met & kept, visit);
@@ -138,14 +138,16 @@ fn meets_nothing<S: Simd, Q: Shot>(
 fn search_block<S: Simd, Q>(
     simd: S,
     view: &BvhView<'_>,
-    (index, rays, ahead): (u32, u64, &mut Ahead<'_, Q>),
+    index: u32,
+    rays: u64,
+    ahead: &mut Ahead<'_, Q>,
     packet: &mut Packet,
     work: &mut Work,
 ) {
     let block = &view.tree.blocks[index as usize];
     let leaves = view.tree.leaves(index);
     let (entries, met) = enter_block(simd, block, &packet.scaled.bounds, packet.scaled.farthest);
-    let apart = work.apart.leaves(simd, (block, leaves.of(met)), packet, rays);
+    let apart = work.apart.leaves(simd, block, leaves.of(met), packet, rays);
     let two = apart | apart >> 32;
     let mut met = (two | two >> 16) as u32 & 0xffff;
     view.prefetch_leaves(leaves.first, met);
@@ -155,12 +157,12 @@ fn search_block<S: Simd, Q>(
         if entries[nearest] > packet.scaled.farthest {
             return;
         }
-        let oriented = block.oriented(nearest);
         let mut groups = 0;
         for k in 0..PACKET / LANES {
             groups |= ((apart >> (LANES * k + nearest)) as u32 & 1) << k;
         }
-        let leaf = (leaves.first + nearest as u32, &oriented, groups, &mut *ahead);
-        search_leaf(simd, view, leaf, packet, work);
+        let index = leaves.first + nearest as u32;
+        let leaf = BlockLeaf { index, oriented: block.oriented(nearest), groups };
+        search_leaf(simd, view, &leaf, ahead, packet, work);
     }
 }

@@ -12,7 +12,8 @@ pub(crate) fn certify<S: Simd>(
     simd: S,
     leaf: &Leaf,
     [a, b, c]: [f32x16<S>; 3],
-    (magnitude, factor): (f32x16<S>, f64),
+    magnitude: f32x16<S>,
+    factor: f64,
 ) -> mask32x16<S> {
     let [by_a, by_b, rounding] = leaf.certificate.turning();
     let (by_a, by_b) = (f32x16::splat(simd, by_a), f32x16::splat(simd, by_b));

@@ -58,7 +58,8 @@ impl<'a, S: Simd> LaneProof<'a, S> {
     #[inline(always)]
     pub(crate) fn new(
         simd: S,
-        (distances, parts): (&'a LaneDistances, &'a mut Parts),
+        distances: &'a LaneDistances,
+        parts: &'a mut Parts,
         lengths: [f32x16<S>; 2],
         errors: Errors<S>,
         asked: u32,

@@ -56,7 +56,8 @@ pub(crate) fn isolate<S: Simd>(
     simd: S,
     distances: Distances<S>,
     fitted: Fitted<'_>,
-    (ray, start): (&RayFrame, Option<[f32; 2]>),
+    ray: &RayFrame,
+    start: Option<[f32; 2]>,
     error: f64,
 ) -> Option<UniqueParts> {
     let leaf = fitted.leaf;

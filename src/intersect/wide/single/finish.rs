@@ -130,7 +130,7 @@ fn finish_of<S: Simd, F: Sums<S>>(
         let weight = sums[0][3];
         let inside = new_x == within(new_x, domain[0]) && new_y == within(new_y, domain[1]);
         let longest = step_x.abs().max(step_y.abs());
-        if inside && has_converged([at, a, b], inverse, (bend * longest * longest, error), weight) {
+        if inside && has_converged([at, a, b], inverse, bend * longest * longest, error, weight) {
             if !(new_x.abs() <= WITH_SLACK && new_y.abs() <= WITH_SLACK) {
                 return (Outcome::Missed, step);
             }
@@ -148,7 +148,7 @@ fn finish_of<S: Simd, F: Sums<S>>(
                 Tangents::after(fitted, [sums[0], along_x, along_y], [step_x, step_y])
             };
             let root = FoundRoot { st, half: [half_s, half_t], z, tangents };
-            return (judge(&root, ray, (error, clearance), found), step);
+            return (judge(&root, ray, error, clearance, found), step);
         }
         // Steps stay within the domain; NaN becomes a bound.
         x = within(new_x, domain[0]);
@@ -165,7 +165,8 @@ fn finish_of<S: Simd, F: Sums<S>>(
 fn has_converged(
     [at, a, b]: [[f64; 3]; 3],
     inverse: f64,
-    (bent, error): (f64, f64),
+    bent: f64,
+    error: f64,
     weight: f64,
 ) -> bool {
     let squared = |of: [f64; 3]| of[0] * of[0] + of[1] * of[1];
@@ -240,7 +241,8 @@ struct FoundRoot {
 fn judge(
     root: &FoundRoot,
     ray: &SingleRay<'_>,
-    (error, clearance): (f64, f64),
+    error: f64,
+    clearance: f64,
     found: &mut SingleHit,
 ) -> Outcome {
     let &FoundRoot { st, half, z, ref tangents } = root;

@@ -30,6 +30,7 @@ use crate::intersect::wide::nearest::{Kept, is_cut_off, keep};
 use crate::intersect::wide::proof::one_ray::isolate;
 use crate::intersect::wide::reach::WIDENED;
 use crate::intersect::wide::search::one_ray::Distances;
+use crate::intersect::wide::start::Line;
 use crate::intersect::wide::surface::spline_net::RecentNets;
 use crate::intersect::wide::surface::sums::OneNet;
 use crate::intersect::wide::view::{BvhView, Fitted};
@@ -115,7 +116,7 @@ fn search_block<S: Simd>(
         for k in set_bits(met) {
             work.statistics.leaf_tests += 1;
             let leaf = leaves.first + k as u32;
-            search_leaf(simd, view, leaf, (&crossings, k), (&mut *ray, &mut *work));
+            search_leaf(simd, view, leaf, &crossings, k, ray, work);
         }
         return;
     }
@@ -127,7 +128,7 @@ fn search_block<S: Simd>(
         }
         work.statistics.leaf_tests += 1;
         let leaf = leaves.first + nearest as u32;
-        search_leaf(simd, view, leaf, (&crossings, nearest), (&mut *ray, &mut *work));
+        search_leaf(simd, view, leaf, &crossings, nearest, ray, work);
         if ray.is_done() {
             return;
         }
@@ -141,8 +142,10 @@ fn search_leaf<S: Simd>(
     simd: S,
     view: &BvhView<'_>,
     index: u32,
-    (crossings, k): (&Crossings, usize),
-    (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
+    crossings: &Crossings,
+    k: usize,
+    ray: &mut SingleRay<'_>,
+    work: &mut SingleWork,
 ) {
     let leaf = &view.leaves[index as usize];
     let patch = &view.piece_of(index).patch;
@@ -153,9 +156,9 @@ fn search_leaf<S: Simd>(
         return work.undecided.push(index);
     }
     let fitted = view.fitted(index, patch);
-    let line = (ray.frame.origin, ray.boxes.axis);
-    if !ray.start.is_done_with(simd, (fitted, patch), line, (guess.is_some(), error)) {
-        search_ahead(simd, view, index, (guess, error), (ray, work));
+    let line = Line { origin: ray.frame.origin, axis: ray.boxes.axis };
+    if !ray.start.is_done_with(simd, fitted, patch, line, guess.is_some(), error) {
+        search_ahead(simd, view, index, guess, error, ray, work);
     }
 }
 
@@ -167,18 +170,26 @@ pub(crate) fn search_ahead<S: Simd>(
     simd: S,
     view: &BvhView<'_>,
     index: u32,
-    (guess, error): (Option<Guess>, f64),
-    (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
+    guess: Option<Guess>,
+    error: f64,
+    ray: &mut SingleRay<'_>,
+    work: &mut SingleWork,
 ) {
     let leaf = &view.leaves[index as usize];
     let patch = &view.piece_of(index).patch;
     // Most rays will need the net; made now, it is ready when the search in f32 is.
     let mut nets = std::mem::take(&mut work.nets);
-    let net = nets.net_of(simd, (leaf.piece, patch));
-    let fitted = view.fitted(index, patch);
-    let surface = OneNet { patch, net };
-    search_net(simd, view, (index, fitted, &surface), (guess, error), (&mut *ray, &mut *work));
+    let net = nets.net_of(simd, leaf.piece, patch);
+    let leaf = NetLeaf { index, fitted: view.fitted(index, patch), surface: OneNet { patch, net } };
+    search_net(simd, view, &leaf, guess, error, ray, work);
     work.nets = nets;
+}
+
+/// A leaf with the net for sums.
+struct NetLeaf<'a> {
+    index: u32,
+    fitted: Fitted<'a>,
+    surface: OneNet<'a>,
 }
 
 /// [`search_ahead`] with the net for sums.
@@ -186,10 +197,13 @@ pub(crate) fn search_ahead<S: Simd>(
 fn search_net<S: Simd>(
     simd: S,
     view: &BvhView<'_>,
-    (index, fitted, surface): (u32, Fitted<'_>, &OneNet<'_>),
-    (guess, error): (Option<Guess>, f64),
-    (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
+    leaf: &NetLeaf<'_>,
+    guess: Option<Guess>,
+    error: f64,
+    ray: &mut SingleRay<'_>,
+    work: &mut SingleWork,
 ) {
+    let &NetLeaf { index, fitted, ref surface } = leaf;
     if let Some(Guess { start, clearance }) = guess {
         let near = if fitted.leaf.is_flat() {
             start
@@ -211,7 +225,7 @@ fn search_net<S: Simd>(
         }
     }
     // Too flat an angle, a leaf with a pole, a start outside, or no convergence.
-    search_by_proof(simd, view, (index, fitted, surface), error, (ray, work));
+    search_by_proof(simd, view, leaf, error, ray, work);
 }
 
 /// Searches one leaf by the ray's own proof of how many roots it has there.
@@ -219,13 +233,14 @@ fn search_net<S: Simd>(
 fn search_by_proof<S: Simd>(
     simd: S,
     view: &BvhView<'_>,
-    (index, fitted, surface): (u32, Fitted<'_>, &OneNet<'_>),
+    &NetLeaf { index, fitted, ref surface }: &NetLeaf<'_>,
     error: f64,
-    (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
+    ray: &mut SingleRay<'_>,
+    work: &mut SingleWork,
 ) {
     let distances = Distances::new(simd, fitted, ray.frame);
-    let about = (ray.frame, ray.start.place_in(fitted.leaf));
-    let Some(parts) = isolate(simd, distances, fitted, about, error) else {
+    let start = ray.start.place_in(fitted.leaf);
+    let Some(parts) = isolate(simd, distances, fitted, ray.frame, start, error) else {
         work.undecided.push(index);
         return;
     };

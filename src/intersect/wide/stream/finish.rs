@@ -19,7 +19,8 @@ impl PairLanes {
         simd: S,
         half: usize,
         wanted: mask64x8<S>,
-        (frames, normals): (&Frames<S>, [[f64x8<S>; 3]; 2]),
+        frames: &Frames<S>,
+        normals: [[f64x8<S>; 3]; 2],
         near: &[f64x8<S>; 2],
     ) -> Outcomes {
         let widened = f64x8::splat(simd, WIDENED);
@@ -111,12 +112,12 @@ struct Eight<'a, S: Simd> {
 impl<S: Simd> Leaves<S> for Eight<'_, S> {
     #[inline(always)]
     fn jets(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S> {
-        jets::<_, _, true>(simd, (self.net, self.net.form), st)
+        jets::<_, _, true>(simd, self.net, self.net.form, st)
     }
 
     #[inline(always)]
     fn tangents(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S> {
-        jets::<_, _, false>(simd, (self.net, self.net.form), st)
+        jets::<_, _, false>(simd, self.net, self.net.form, st)
     }
 
     #[inline(always)]

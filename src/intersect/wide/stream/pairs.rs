@@ -147,8 +147,8 @@ impl PairLanes {
         let farthest = near[0].abs().max(near[1].abs());
         let outside = wanted & !lane_bits(farthest.simd_lt(widened));
         if outside != 0 {
-            let of = (&leaves, first.form);
-            all.unconverged = outside & !self.missed(simd, (outside, of), &halves, &normals);
+            all.unconverged =
+                outside & !self.missed(simd, outside, &leaves, first.form, &halves, &normals);
             wanted &= !outside;
         }
         for half in 0..2 {
@@ -157,10 +157,9 @@ impl PairLanes {
                 continue;
             }
             let wanted = mask64x8::from_bitmask(simd, wanted);
-            self.net.take(simd, first.form, (&pieces, 8 * half), wanted);
-            let rays = (&halves[half], normals[half]);
+            self.net.take(simd, first.form, &pieces, 8 * half, wanted);
             let near = [distances::widened(near[0], half), distances::widened(near[1], half)];
-            let done = self.finish(simd, half, wanted, rays, &near);
+            let done = self.finish(simd, half, wanted, &halves[half], normals[half], &near);
             all.met |= done.met << (8 * half);
             all.undecided |= done.undecided << (8 * half);
             all.at_end |= done.at_end << (8 * half);
@@ -176,7 +175,9 @@ impl PairLanes {
     fn missed<S: Simd>(
         &self,
         simd: S,
-        (asked, (leaves, form)): (u32, (&[Fitted<'_>; LANES], Form)),
+        asked: u32,
+        leaves: &[Fitted<'_>; LANES],
+        form: Form,
         halves: &[Frames<S>; 2],
         normals: &[[[f64x8<S>; 3]; 2]; 2],
     ) -> u32 {

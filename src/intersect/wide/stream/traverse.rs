@@ -19,7 +19,7 @@ use crate::intersect::wide::hit_place::HitPlace;
 use crate::intersect::wide::nearest::{Kept, is_cut_off, keep};
 use crate::intersect::wide::single::ray::{Guess, SingleHit, SingleRay, boxes_in};
 use crate::intersect::wide::single::traverse::{SingleWork, search_ahead};
-use crate::intersect::wide::start::Start;
+use crate::intersect::wide::start::{Line, Start};
 use crate::intersect::wide::surface::form::Form;
 use crate::intersect::wide::view::BvhView;
 use crate::intersect::wide::wanted::Wanted;
@@ -248,7 +248,7 @@ fn look_at_blocks<S: Simd, Q: Shot>(
             let (shot, flight) = (&shots[k as usize], &mut flights[k as usize]);
             let asked = StreamRay::new(view, shot, *wanted, k);
             let before = pairs.len();
-            asked.look_at(simd, (index, crossings), flight, pairs, single);
+            asked.look_at(simd, index, crossings, flight, pairs, single);
             if flight.alone || flight.is_done() {
                 pairs.truncate(before);
             } else if pairs.len() > before {
@@ -354,7 +354,8 @@ impl<'a> StreamRay<'a> {
     fn look_at<S: Simd>(
         &self,
         simd: S,
-        (block, crossings): (u32, &Crossings),
+        block: u32,
+        crossings: &Crossings,
         flight: &mut Flight,
         pairs: &mut Vec<Pair>,
         single: &mut SingleWork,
@@ -374,9 +375,9 @@ impl<'a> StreamRay<'a> {
             let patch = &self.view.piece_of(index).patch;
             let error = patch.error_bound(flight.magnitude);
             let guess = Guess::of(leaf, start, slopes, error);
-            let line = (self.ray.origin(), flight.boxes.axis);
+            let line = Line { origin: self.ray.origin(), axis: flight.boxes.axis };
             let fitted = self.view.fitted(index, patch);
-            if self.start.is_done_with(simd, (fitted, patch), line, (guess.is_some(), error)) {
+            if self.start.is_done_with(simd, fitted, patch, line, guess.is_some(), error) {
                 continue;
             }
             if let (Some(guess), Some(form)) = (guess, Form::of_pairs(patch)) {
@@ -384,7 +385,7 @@ impl<'a> StreamRay<'a> {
                 pairs.push(Pair { ray: self.index, leaf: index, form, guess });
                 continue;
             }
-            self.search(simd, index, (guess, error), flight, single);
+            self.search(simd, index, guess, error, flight, single);
             if flight.alone {
                 return;
             }
@@ -397,14 +398,15 @@ impl<'a> StreamRay<'a> {
         &self,
         simd: S,
         leaf: u32,
-        (guess, error): (Option<Guess>, f64),
+        guess: Option<Guess>,
+        error: f64,
         flight: &mut Flight,
         single: &mut SingleWork,
     ) {
         let frame = RayFrame::new(self.ray);
         let mut ray = SingleRay::new(&frame, self.start.from, self.wanted, self.view.tree.frame());
         single.clear();
-        search_ahead(simd, self.view, leaf, (guess, error), (&mut ray, &mut *single));
+        search_ahead(simd, self.view, leaf, guess, error, &mut ray, single);
         flight.alone |= !single.undecided.is_empty();
         if let Some(hit) = single.hit()
             && flight.takes(self.view, &hit.place(), self.wanted)
@@ -490,7 +492,7 @@ fn search_pairs<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stre
                 let asked = StreamRay::new(view, shot, *wanted, pair.ray);
                 let patch = &view.piece_of(pair.leaf).patch;
                 let error = patch.error_bound(flight.magnitude);
-                asked.search(simd, pair.leaf, (None, error), flight, single);
+                asked.search(simd, pair.leaf, None, error, flight, single);
             }
             if flight.alone {
                 flight.stack.clear();

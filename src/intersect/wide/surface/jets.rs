@@ -15,15 +15,16 @@ use crate::math::bernstein::{MAX_DEGREE, binomials};
 #[inline(always)]
 pub(crate) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
     simd: S,
-    (net, form): (&T, Form),
+    net: &T,
+    form: Form,
     st: &[f64x8<S>; 2],
 ) -> Jets<S> {
     if form.by_powers {
-        power_sums::jets::<S, T, SECOND>(simd, (net, form), st)
+        power_sums::jets::<S, T, SECOND>(simd, net, form, st)
     } else if form.highest_degree() < 8 {
-        by_bernstein::<S, T, SECOND, 8>(simd, (net, form), st)
+        by_bernstein::<S, T, SECOND, 8>(simd, net, form, st)
     } else {
-        by_bernstein::<S, T, SECOND, { MAX_DEGREE + 1 }>(simd, (net, form), st)
+        by_bernstein::<S, T, SECOND, { MAX_DEGREE + 1 }>(simd, net, form, st)
     }
 }
 
@@ -33,17 +34,19 @@ pub(crate) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
 #[simd]
 fn by_bernstein<S: Simd, T: Net<S>, const SECOND: bool, const N: usize>(
     simd: S,
-    (net, form): (&T, Form),
+    net: &T,
+    form: Form,
     st: &[f64x8<S>; 2],
 ) -> Jets<S> {
-    with_numbers!(form, |C| jets_of::<S, T, SECOND, N, C>(simd, (net, form.degree()), st))
+    with_numbers!(form, |C| jets_of::<S, T, SECOND, N, C>(simd, net, form.degree(), st))
 }
 
 /// [`jets`] for any degree below `N` and `C` components: four for rational surfaces, else three.
 #[simd]
 fn jets_of<S: Simd, T: Net<S>, const SECOND: bool, const N: usize, const C: usize>(
     simd: S,
-    (net, [p, q]): (&T, [usize; 2]),
+    net: &T,
+    [p, q]: [usize; 2],
     st: &[f64x8<S>; 2],
 ) -> Jets<S> {
     let [in_s, in_t] = [basis::<S, N>(simd, p, st[0]), basis::<S, N>(simd, q, st[1])];

@@ -44,7 +44,8 @@ impl LaneNet {
         &mut self,
         simd: S,
         form: Form,
-        (pieces, first): (&[&Piece; LANES], usize),
+        pieces: &[&Piece; LANES],
+        first: usize,
         wanted: mask64x8<S>,
     ) {
         self.form = form;
@@ -170,14 +171,14 @@ fn make_all_of<S: Simd>(
     numbers: &mut Numbers,
 ) {
     let size = length / (q + 1);
-    let shares = in_lanes::<S, 4>(simd, (along_s, p));
+    let shares = in_lanes::<S, 4>(simd, along_s, p);
     for column in 0..length {
-        make_line(simd, &shares, p, (column, length), numbers);
+        make_line(simd, &shares, p, column, length, numbers);
     }
-    let shares = in_lanes::<S, 4>(simd, (along_t, q));
+    let shares = in_lanes::<S, 4>(simd, along_t, q);
     for i in 0..=p {
         for c in 0..size {
-            make_line(simd, &shares, q, (i * length + c, size), numbers);
+            make_line(simd, &shares, q, i * length + c, size, numbers);
         }
     }
 }
@@ -190,13 +191,13 @@ fn make_all_long<S: Simd>(
     [along_s, along_t]: &[[ToPowers<'_>; 8]; 2],
     numbers: &mut Numbers,
 ) {
-    let shares = in_lanes::<S, LONG>(simd, (along_s, p));
+    let shares = in_lanes::<S, LONG>(simd, along_s, p);
     let columns = Lines { blocks: 1, apart: 0, count: length, step: length };
-    make_lines(simd, (&shares, p), columns, numbers);
-    let shares = in_lanes::<S, LONG>(simd, (along_t, q));
+    make_lines(simd, &shares, p, columns, numbers);
+    let shares = in_lanes::<S, LONG>(simd, along_t, q);
     let size = length / (q + 1);
     let rows = Lines { blocks: p + 1, apart: length, count: size, step: size };
-    make_lines(simd, (&shares, q), rows, numbers);
+    make_lines(simd, &shares, q, rows, numbers);
 }
 
 /// Converts points to coefficients of powers: every `step`-th number, from `first` on.
@@ -205,7 +206,8 @@ fn make_line<S: Simd>(
     simd: S,
     shares: &Shares<S, 4>,
     degree: usize,
-    (first, step): (usize, usize),
+    first: usize,
+    step: usize,
     numbers: &mut Numbers,
 ) {
     let mut points = [f64x8::splat(simd, 0.0); 4];
@@ -222,7 +224,8 @@ fn make_line<S: Simd>(
 #[inline(always)]
 fn in_lanes<S: Simd, const N: usize>(
     simd: S,
-    (to_powers, degree): (&[ToPowers<'_>; 8], usize),
+    to_powers: &[ToPowers<'_>; 8],
+    degree: usize,
 ) -> Shares<S, N> {
     let mut rows = [&[][..]; 8];
     for lane in 0..8 {

@@ -48,7 +48,8 @@ pub(super) struct Lines {
 #[inline(always)]
 pub(super) fn make_lines<S: Simd>(
     simd: S,
-    (shares, degree): (&Shares<S, LONG>, usize),
+    shares: &Shares<S, LONG>,
+    degree: usize,
     lines: Lines,
     numbers: &mut [[f64; 8]],
 ) {

@@ -12,11 +12,12 @@ use super::sums::{Jets, Net, Sums, in_space};
 #[simd]
 pub(super) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
     simd: S,
-    (net, form): (&T, Form),
+    net: &T,
+    form: Form,
     st: &[f64x8<S>; 2],
 ) -> Jets<S> {
-    let of = (net, form.degree());
-    with_degrees!(form, |P, Q, C| jets_of::<S, T, SECOND, P, Q, C>(simd, of, st))
+    let degree = form.degree();
+    with_degrees!(form, |P, Q, C| jets_of::<S, T, SECOND, P, Q, C>(simd, net, degree, st))
 }
 
 /// [`jets`] for degrees `P` and `Q`, zero standing for any, and `C` components: four for rational
@@ -31,7 +32,8 @@ fn jets_of<
     const C: usize,
 >(
     simd: S,
-    (net, degree): (&T, [usize; 2]),
+    net: &T,
+    degree: [usize; 2],
     st: &[f64x8<S>; 2],
 ) -> Jets<S> {
     let [p, q] = if P == 0 { degree } else { [P, Q] };
@@ -47,9 +49,9 @@ fn jets_of<
             let control = T::control::<C>(simd, &row, j);
             for c in 0..C {
                 if SECOND {
-                    bend[c] = next(bend[c], y, slope[c], (q - 1 - j, 2));
+                    bend[c] = next(bend[c], y, slope[c], q - 1 - j, 2);
                 }
-                slope[c] = next(slope[c], y, sum[c], (q - 1 - j, 1));
+                slope[c] = next(slope[c], y, sum[c], q - 1 - j, 1);
                 sum[c] = sum[c].mul_add(y, control[c]);
             }
         }
@@ -59,11 +61,11 @@ fn jets_of<
                 continue;
             }
             if SECOND {
-                by_xx[c] = next(by_xx[c], x, by_x[c], (p - 1 - i, 2));
-                by_xy[c] = next(by_xy[c], x, by_y[c], (p - 1 - i, 1));
+                by_xx[c] = next(by_xx[c], x, by_x[c], p - 1 - i, 2);
+                by_xy[c] = next(by_xy[c], x, by_y[c], p - 1 - i, 1);
                 by_yy[c] = by_yy[c].mul_add(x, bend[c]);
             }
-            by_x[c] = next(by_x[c], x, value[c], (p - 1 - i, 1));
+            by_x[c] = next(by_x[c], x, value[c], p - 1 - i, 1);
             value[c] = value[c].mul_add(x, sum[c]);
             by_y[c] = by_y[c].mul_add(x, slope[c]);
         }
@@ -89,7 +91,8 @@ fn next<S: Simd>(
     sum: f64x8<S>,
     x: f64x8<S>,
     lower: f64x8<S>,
-    (step, order): (usize, usize),
+    step: usize,
+    order: usize,
 ) -> f64x8<S> {
     if step + 1 < order {
         sum
@@ -152,10 +155,10 @@ mod tests {
                 for lane in 0..8 {
                     (st[0][lane], st[1][lane]) = (places[lane].x, places[lane].y);
                 }
-                let net = OneNet { patch, net: nets.net_of(simd, (0, patch)) };
-                let net = (&net, Form::of(patch));
-                let jets = jets::jets::<_, _, true>(simd, net, &st);
-                let firsts = jets::jets::<_, _, false>(simd, net, &st);
+                let net = OneNet { patch, net: nets.net_of(simd, 0, patch) };
+                let form = Form::of(patch);
+                let jets = jets::jets::<_, _, true>(simd, &net, form, &st);
+                let firsts = jets::jets::<_, _, false>(simd, &net, form, &st);
                 assert_eq!(bits(&jets.point), bits(&firsts.point));
                 assert_eq!(jets.first.each_ref().map(bits), firsts.first.each_ref().map(bits));
                 for (lane, &place) in places.iter().enumerate() {

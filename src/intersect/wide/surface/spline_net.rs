@@ -29,7 +29,8 @@ impl RecentNets {
     pub(crate) fn net_of<'n, S: Simd>(
         &'n mut self,
         simd: S,
-        (piece, patch): (u32, &'n TensorPatch),
+        piece: u32,
+        patch: &'n TensorPatch,
     ) -> PieceNet<'n> {
         match patch.sums_source() {
             NetSource::Kept(net) => net,
@@ -90,10 +91,10 @@ fn make_long<S: Simd>(
     for i in 0..=p {
         *room.row::<LONGEST>(i) = *spline.row(i);
     }
-    let shares = in_all_lanes::<S, LONG>(simd, (along_s, p));
+    let shares = in_all_lanes::<S, LONG>(simd, along_s, p);
     let columns = Lines { blocks: 1, apart: 0, count: (size * (q + 1)).div_ceil(8), step: EIGHTS };
-    make_lines(simd, (&shares, p), columns, room.eights());
-    let shares = in_all_lanes::<S, LONG>(simd, (along_t, q));
+    make_lines(simd, &shares, p, columns, room.eights());
+    let shares = in_all_lanes::<S, LONG>(simd, along_t, q);
     for first in (0..=p).step_by(2) {
         let second = (first + 1).min(p);
         let mut points = [[0.0; 8]; LONG];
@@ -104,7 +105,7 @@ fn make_long<S: Simd>(
             }
         }
         let line = Lines { blocks: 1, apart: 0, count: 1, step: 1 };
-        make_lines(simd, (&shares, q), line, &mut points);
+        make_lines(simd, &shares, q, line, &mut points);
         // Where points have three numbers, the fourth one belongs to the next point.
         for j in 0..=q {
             for (row, half) in [(first, 0), (second, 4)] {
@@ -124,8 +125,8 @@ fn make_of<S: Simd>(
     ([p, q], size): ([usize; 2], usize),
     room: &mut NetRoom,
 ) {
-    let along_s = in_all_lanes::<S, 4>(simd, (along_s, p));
-    let along_t = in_all_lanes::<S, 4>(simd, (along_t, q));
+    let along_s = in_all_lanes::<S, 4>(simd, along_s, p);
+    let along_t = in_all_lanes::<S, 4>(simd, along_t, q);
     let zero = f64x4::splat(simd, 0.0);
     let mut halves = [[[zero; 2]; 4]; 2];
     for k in 0..=q / 2 {
@@ -161,7 +162,8 @@ fn make_of<S: Simd>(
 #[inline(always)]
 fn in_all_lanes<S: Simd, const N: usize>(
     simd: S,
-    (to_powers, degree): (ToPowers<'_>, usize),
+    to_powers: ToPowers<'_>,
+    degree: usize,
 ) -> Shares<S, N> {
     let mut shares = [[f64x8::splat(simd, 0.0); N]; N];
     // A length known in advance needs no checks.
