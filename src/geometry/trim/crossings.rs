@@ -113,8 +113,11 @@ impl Checks<'_> {
             let (loop_a, loop_b) = (owners[this], owners[other]);
             match strand.course(&found) {
                 Course::Steady => {}
-                Course::Crosses(at) if loop_a == loop_b => {
+                Course::Crosses(at) if itself => {
                     return Err(TrimError::SelfCrossing { index: loop_a, at });
+                }
+                Course::Crosses(at) if loop_a == loop_b => {
+                    return Err(TrimError::CopyCrossing { index: loop_a, at });
                 }
                 Course::Crosses(at) => {
                     let loops = [loop_a.min(loop_b), loop_a.max(loop_b)];

@@ -119,8 +119,9 @@ pub enum TrimLoopError {
     Empty,
     /// A curve does not begin where the one before it ends.
     #[error(
-        "the loop is open: curve {curve} ends at {}, but curve {next} begins {} away from there; gaps up to {} are closed",
-        measured(*.end), measured(*.gap), measured(*.tolerance)
+        "the loop is open: curve {curve} ends at {}, but curve {next} begins at {}, {} away; gaps up to {} are closed",
+        told_apart([*.end, *.end + *.gap])[0], told_apart([*.end, *.end + *.gap])[1],
+        measured(*.gap), measured(*.tolerance)
     )]
     Open {
         /// The curve that ends, counted from 0.
@@ -252,9 +253,21 @@ pub enum TrimError {
         /// How many are supported.
         limit: usize,
     },
-    /// A loop crosses itself, or a copy of itself moved by a period.
+    /// A loop crosses itself.
     #[error("loop {index} crosses itself at (u, v) = {}", measured(*.at))]
     SelfCrossing {
+        /// Which loop, counted from 0.
+        index: usize,
+        /// Where.
+        at: DVec2,
+    },
+    /// A loop on a periodic domain crosses a copy of itself.
+    #[error(
+        "loop {index} overlaps itself where the surface closes: it crosses its copy a period away, \
+         at (u, v) = {}",
+        measured(*.at)
+    )]
+    CopyCrossing {
         /// Which loop, counted from 0.
         index: usize,
         /// Where.

@@ -47,8 +47,8 @@ fn open_loops_say_by_how_much() {
     let error = TrimLoop::new(&curves).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "the loop is open: curve 0 ends at (1, 0), but curve 1 begins (0, 0.25) away from \
-         there; gaps up to (0.001, 0.001) are closed"
+        "the loop is open: curve 0 ends at (1, 0), but curve 1 begins at (1, 0.25), \
+         (0, 0.25) away; gaps up to (0.001, 0.001) are closed"
     );
     let open = TrimLoop::new(&curves[..1]).unwrap_err();
     assert!(matches!(open, TrimLoopError::Open { curve: 0, next: 0, gap, .. } if gap.x == -1.0));
@@ -121,7 +121,7 @@ fn crossings_are_found_where_they_are() {
     // With its own copy across the seam.
     let domain = unit().periodic_in(Direction::U);
     let error = Trims::new(domain, Kept::Odd, &[circle(0.5, 0.5, 0.6)]).unwrap_err();
-    assert!(matches!(error, TrimError::SelfCrossing { index: 0, .. }), "{error}");
+    assert!(matches!(error, TrimError::CopyCrossing { index: 0, .. }), "{error}");
 }
 
 #[test]

@@ -406,7 +406,7 @@ fn trims_that_cannot_be_are_named() {
         (
             format!("[{}]", CIRCLE.replace("[0.7, 0.5]],", "[0.6, 0.5]],").replace("\n", " ")),
             "m.json:3:28: surface \"m/lid\": trims: loop 0: the loop is open: curve 0 ends at \
-             (0.6, 0.5), but curve 0 begins (0.1, 0)",
+             (0.6, 0.5), but curve 0 begins at (0.7, 0.5), (0.1, 0) away",
         ),
         (
             "[{\"type\": \"spline\"}]".to_owned(),

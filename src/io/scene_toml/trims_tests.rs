@@ -106,7 +106,7 @@ fn trims_that_cannot_be_are_named() {
         ),
         (
             "loops = [{ curves = [\n  { polyline = [[0.1, 0.1], [0.9, 0.1], [0.9, 0.9]] },\n  { polyline = [[0.9, 0.8], [0.1, 0.1]] },\n] }]",
-            "7:3: surface \"sheet\": trims: loop 0: the loop is open: curve 0 ends at (0.9, 0.9), but curve 1 begins (0, -0.1) away",
+            "7:3: surface \"sheet\": trims: loop 0: the loop is open: curve 0 ends at (0.9, 0.9), but curve 1 begins at (0.9, 0.8), (0, -0.1) away",
         ),
         (
             "loops = [{ curves = [\n  { polyline = [[0.1, 0.1], [0.9, 0.1]] },\n  { bezier = [[0.9, 0.1]] },\n] }]",
@@ -146,7 +146,7 @@ fn trims_that_cannot_be_are_named() {
         ),
         (
             "loops = [{ curves = [{ polygon = [[0.1, 0.1], [0.9, 0.1], [0.9, 0.9]] }] }]",
-            "5:22: surface \"sheet\": trims: loop 0: the loop is open: curve 0 ends at (0.9, 0.9), but curve 0 begins (-0.8, -0.8) away from there; gaps up to (0.0008, 0.0008) are closed (one curve alone must end where it begins; only a loop { polygon = … }, not one of curves, closes by itself)",
+            "5:22: surface \"sheet\": trims: loop 0: the loop is open: curve 0 ends at (0.9, 0.9), but curve 0 begins at (0.1, 0.1), (-0.8, -0.8) away; gaps up to (0.0008, 0.0008) are closed (one curve alone must end where it begins; only a loop { polygon = … }, not one of curves, closes by itself)",
         ),
         (
             "loops = [{ polygon = [[0, 0, 0]] }]",

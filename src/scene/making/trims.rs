@@ -104,7 +104,8 @@ impl TrimSpec {
             TrimError::Loop { index, .. }
             | TrimError::OutsideDomain { index, .. }
             | TrimError::TooManyPeriods { index, .. }
-            | TrimError::SelfCrossing { index, .. } => Some(*index),
+            | TrimError::SelfCrossing { index, .. }
+            | TrimError::CopyCrossing { index, .. } => Some(*index),
             TrimError::Crossing { loops, .. } | TrimError::Coincident { loops } => {
                 loops.iter().copied().max()
             }
