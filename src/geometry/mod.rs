@@ -8,6 +8,7 @@
 //!
 //! | module | what it holds |
 //! |---|---|
+//! | `direction`, `rect_side` | [`Direction`]: `u` or `v`; [`RectSide`]: a side of a domain or of a unit square |
 //! | `magnitude`, `affine` | the range of numbers; what affine maps do to points and lengths |
 //! | `knots` | [`KnotVector`], and the [basis functions](BasisFunctions) over it |
 //! | `polygon` | control polygons, whether of curves or in nets: [`de_casteljau`], insertion, elevation, extraction |
@@ -44,9 +45,11 @@ mod cage;
 mod chart;
 pub mod construct;
 mod curve;
+mod direction;
 mod knots;
 mod magnitude;
 mod polygon;
+mod rect_side;
 pub mod shapes;
 mod surface;
 mod triangle;
@@ -64,6 +67,7 @@ pub use curve::{
     CornerCutting, CurveDerivatives, CurveError, MAX_REPEATED, MatrixForm, NurbsCurve, PolygonEnds,
     RationalBasis, with_repeated_ends,
 };
+pub use direction::Direction;
 pub use knots::{
     BasisDerivatives, BasisFunctions, BasisValues, KnotError, KnotVector, MAX_CONTROL_POINTS,
     MAX_DEGREE, Span,
@@ -72,9 +76,8 @@ pub(crate) use knots::{LEAST_AROUND, periodic_values};
 pub use magnitude::{MAX_MAGNITUDE, MIN_MAGNITUDE};
 pub(crate) use polygon::{Extraction, Extractions};
 pub use polygon::{bernstein, de_casteljau, halves};
+pub use rect_side::RectSide;
 pub(crate) use surface::BezierForm;
-pub use surface::{
-    Direction, NurbsSurface, SurfaceCurvature, SurfaceDerivatives, SurfaceError, matrix_patch,
-};
+pub use surface::{NurbsSurface, SurfaceCurvature, SurfaceDerivatives, SurfaceError, matrix_patch};
 pub use triangle::{TriangleError, TrianglePatch, TriangleQuarter, TriangleSide};
 pub use trimmed::{TrimEdge, TrimmedSurface};

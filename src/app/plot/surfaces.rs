@@ -2,8 +2,8 @@
 
 use glam::{DVec2, DVec3};
 use nurbray::geometry::{
-    CurveError, Direction, LimitSurface, NurbsCurve, NurbsSurface, Surface, TrianglePatch,
-    TrimmedSurface,
+    CurveError, Direction, LimitSurface, NurbsCurve, NurbsSurface, RectSide, Surface,
+    TrianglePatch, TrimmedSurface,
 };
 use nurbray::scene::{Plane, PlottedSurface};
 use plotters::style::RGBColor;
@@ -118,11 +118,8 @@ fn between((start, end): (f64, f64), count: usize) -> impl Iterator<Item = f64> 
 
 impl Lines {
     fn nurbs(&mut self, surface: &NurbsSurface, lines: usize) {
-        for direction in [Direction::U, Direction::V] {
-            let curve = |at: f64| match direction {
-                Direction::U => surface.curve_at_u(at).ok(),
-                Direction::V => surface.curve_at_v(at).ok(),
-            };
+        for direction in Direction::BOTH {
+            let curve = |at: f64| surface.curve_at(direction, at).ok();
             let (start, end) = surface.knots(direction).domain();
             self.borders.extend([start, end].into_iter().filter_map(curve).map(Line::of));
             self.inner.extend(between((start, end), lines).filter_map(curve).map(Line::of));
@@ -130,7 +127,7 @@ impl Lines {
     }
 
     fn trimmed(&mut self, trimmed: &TrimmedSurface, lines: usize) -> Result<(), CurveError> {
-        for direction in [Direction::U, Direction::V] {
+        for direction in Direction::BOTH {
             let kept = |at: f64| trimmed.kept_curves(direction, at).unwrap_or_default();
             let (start, end) = trimmed.surface().knots(direction).domain();
             self.borders.extend([start, end].into_iter().flat_map(kept).map(Line::of));
@@ -159,7 +156,7 @@ impl Lines {
     /// are part of the surface.
     fn limit(&mut self, surface: &LimitSurface, lines: usize) {
         for unit in 0..surface.unit_count() {
-            for direction in [Direction::U, Direction::V] {
+            for direction in Direction::BOTH {
                 let curves =
                     |at| surface.unit_curves(unit, direction, at).into_iter().map(Line::of);
                 self.borders.extend([0.0, 1.0].into_iter().flat_map(curves));
@@ -169,12 +166,11 @@ impl Lines {
         // Doo–Sabin surfaces end within faces.
         for (index, patch) in surface.patches().iter().enumerate() {
             let Some(Ok(net)) = surface.surface(index) else { continue };
-            let [high_u, high_v] = patch.rect.unit_uv(1.0, 1.0);
-            let [low_u, low_v] = patch.rect.low;
-            let sides = [low_u, high_u, low_v, high_v].into_iter().zip(patch.border).enumerate();
-            for (side, _) in sides.filter(|(_, (at, border))| *border && *at != 0.0 && *at != 1.0) {
-                let end = (side % 2) as f64;
-                let curve = if side < 2 { net.curve_at_u(end) } else { net.curve_at_v(end) };
+            let ends = [patch.rect.low, patch.rect.unit_uv(1.0, 1.0)];
+            let is_within = |side: RectSide| ![0.0, 1.0].contains(&ends[side.end()][side.fixed()]);
+            let sides = RectSide::ALL.into_iter().filter(|&side| patch.border[side]);
+            for side in sides.filter(|&side| is_within(side)) {
+                let curve = net.curve_at(side.fixed(), side.value());
                 self.borders.extend(curve.ok().map(Line::of));
             }
         }
@@ -182,17 +178,15 @@ impl Lines {
 
     fn any(&mut self, surface: &Surface, lines: usize) {
         let domain = surface.domain();
-        for axis in 0..2 {
+        for fixed in Direction::BOTH {
             let line = |at: f64| {
-                let (surface, (start, end)) = (surface.clone(), domain[1 - axis]);
+                let (surface, (start, end)) = (surface.clone(), domain[fixed.other()]);
                 Line::new(move |t| {
-                    let mut uv = DVec2::splat(at);
-                    uv[1 - axis] = start + t * (end - start);
-                    surface.point_at(uv)
+                    surface.point_at(fixed.pair(at, start + t * (end - start)).into())
                 })
             };
-            self.borders.extend([domain[axis].0, domain[axis].1].map(line));
-            self.inner.extend(between(domain[axis], lines).map(line));
+            self.borders.extend([domain[fixed].0, domain[fixed].1].map(line));
+            self.inner.extend(between(domain[fixed], lines).map(line));
         }
     }
 }

@@ -13,11 +13,8 @@ impl LimitSurface {
     ///
     /// A line between two patches takes the curve of the patch that begins there. Inner knots have
     /// full multiplicity, the degree, because each patch gives a Bézier piece.
-    pub fn unit_curves(&self, unit: usize, direction: Direction, at: f64) -> Vec<NurbsCurve> {
-        let (fixed, along) = match direction {
-            Direction::U => (0, 1),
-            Direction::V => (1, 0),
-        };
+    pub fn unit_curves(&self, unit: usize, fixed: Direction, at: f64) -> Vec<NurbsCurve> {
+        let along = fixed.other();
         let first = self.patches.partition_point(|patch| patch.rect.unit < unit);
         let beyond = self.patches.partition_point(|patch| patch.rect.unit <= unit);
 
@@ -35,7 +32,7 @@ impl LimitSurface {
         });
 
         // Pieces that follow each other are one curve.
-        let offset = if along == 0 { unit as f64 } else { 0.0 };
+        let offset = if along == Direction::U { unit as f64 } else { 0.0 };
         let mut curves: Vec<(Vec<f64>, Vec<DVec4>)> = Vec::new();
         let mut reached = f64::NEG_INFINITY;
         for (rect, _, index) in met {
@@ -43,7 +40,7 @@ impl LimitSurface {
             if low < reached {
                 continue; // beside a patch that is there already
             }
-            let piece = self.piece(index, direction, (at - rect.low[fixed]) / rect.size[fixed]);
+            let piece = self.piece(index, fixed, (at - rect.low[fixed]) / rect.size[fixed]);
             match curves.last_mut().filter(|_| low == reached) {
                 Some((breaks, control)) => {
                     breaks.push(offset + high);
@@ -58,15 +55,15 @@ impl LimitSurface {
     }
 
     /// The Bézier points of a line of constant parameter, at a fraction of the patch.
-    fn piece(&self, patch: usize, direction: Direction, share: f64) -> Vec<DVec4> {
+    fn piece(&self, patch: usize, fixed: Direction, share: f64) -> Vec<DVec4> {
         let n = self.degree + 1;
         let net = &self.control[patch * n * n..][..n * n];
         let basis =
             bernstein(self.degree, share).unwrap_or([f64::NAN; crate::geometry::MAX_DEGREE + 1]);
         let point = |k: usize| {
-            let across = |l: usize| match direction {
-                Direction::U => net[l * n + k],
-                Direction::V => net[k * n + l],
+            let across = |l: usize| {
+                let [i, j] = fixed.pair(l, k);
+                net[i * n + j]
             };
             (0..n).map(|l| basis[l] * across(l)).sum::<DVec3>().extend(1.0)
         };

@@ -98,16 +98,11 @@ const BETWEEN: [f64; 3] = [0.23, 0.47, 0.81];
 fn check_folds(borders: &Borders, patch: &NurbsSurface) -> Result<(), ConstructError> {
     let Borders { u0, u1, v0, v1 } = borders;
     for (pair, direction) in [([u0, u1], Direction::U), ([v0, v1], Direction::V)] {
-        let name = if direction == Direction::U { "u" } else { "v" };
-        let fold = |k: usize| check_fold(pair[k], &format!("border {name}{k}"));
+        let fold = |k: usize| check_fold(pair[k], &format!("border {direction}{k}"));
         let (Err(error), Err(_)) = (fold(0), fold(1)) else { continue };
-        let line = |share| match direction {
-            Direction::U => patch.curve_at_u(share),
-            Direction::V => patch.curve_at_v(share),
-        };
         let mut all = true;
         for share in BETWEEN {
-            all &= check_fold(&line(share)?, name).is_err();
+            all &= check_fold(&patch.curve_at(direction, share)?, &direction.to_string()).is_err();
         }
         if all {
             return Err(error);

@@ -2,7 +2,8 @@
 
 use glam::DAffine3;
 
-use super::{Direction, NurbsSurface, SurfaceError};
+use super::{NurbsSurface, SurfaceError};
+use crate::geometry::Direction;
 use crate::geometry::affine::{moved, unfit_determinant};
 
 impl NurbsSurface {

@@ -4,9 +4,9 @@ use std::borrow::Cow;
 
 use glam::DVec4;
 
-use super::{Direction, NurbsSurface};
-use crate::geometry::KnotVector;
+use super::NurbsSurface;
 use crate::geometry::polygon::{Insertions, merged};
+use crate::geometry::{Direction, KnotVector};
 
 /// A surface cut into Bézier pieces: clamped, with every inner knot at least `p` times.
 ///

@@ -1,6 +1,7 @@
 //! Surfaces that close on themselves.
 
-use super::{Direction, NurbsSurface};
+use super::NurbsSurface;
+use crate::geometry::Direction;
 use crate::math::Aabb;
 
 /// The tolerance of the control points of a seam, in units of the rounding error of a point.
@@ -27,7 +28,9 @@ impl NurbsSurface {
         let point = |(i, j)| clamped.point(i, j);
         let magnitude =
             pairs.iter().flatten().map(|&at| point(at).abs().max_element()).fold(0.0, f64::max);
-        let size = Aabb::around((0..nu).flat_map(|i| (0..nv).map(move |j| point((i, j))))).size();
+        let (nu, nv) = clamped.size();
+        let places = (0..nu).flat_map(|i| (0..nv).map(move |j| (i, j)));
+        let size = Aabb::around(places.map(point)).size();
         let ratio =
             |[a, b]: [(usize, usize); 2]| clamped.weight(b.0, b.1) / clamped.weight(a.0, a.1);
         let first = point(pairs[0][0]);

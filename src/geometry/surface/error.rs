@@ -1,32 +1,12 @@
 //! The error of surfaces: numbers that make no surface, or an operation that a surface does not
 //! allow.
 
-use std::fmt;
-
 use glam::DVec3;
 use thiserror::Error;
 
-use crate::geometry::KnotError;
+use crate::geometry::{Direction, KnotError};
 use crate::geometry::{MAX_MAGNITUDE, MIN_MAGNITUDE};
 use crate::math::{Counted, Shown, ShownVector};
-
-/// One of the two parameters of a surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Direction {
-    /// The first parameter; it runs along the columns of the control net.
-    U,
-    /// The second parameter; it runs along the rows of the control net.
-    V,
-}
-
-impl fmt::Display for Direction {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::U => "u",
-            Self::V => "v",
-        })
-    }
-}
 
 /// The reason why numbers make no surface, or why an operation cannot be done on a surface.
 ///

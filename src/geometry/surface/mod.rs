@@ -22,6 +22,6 @@ pub(crate) use arrange::check_invertible;
 pub(crate) use bezier_form::BezierForm;
 pub use curvature::SurfaceCurvature;
 pub use derivatives::SurfaceDerivatives;
-pub use error::{Direction, SurfaceError};
+pub use error::SurfaceError;
 pub use matrix_patch::matrix_patch;
 pub use nurbs_surface::NurbsSurface;

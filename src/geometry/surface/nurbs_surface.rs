@@ -2,9 +2,9 @@
 
 use glam::{DVec3, DVec4, Vec4Swizzles};
 
-use super::{Direction, SurfaceError};
-use crate::geometry::KnotVector;
+use super::SurfaceError;
 use crate::geometry::magnitude::{Extent, MAX_MAGNITUDE, MIN_MAGNITUDE, extent, is_usable};
+use crate::geometry::{Direction, KnotVector};
 
 /// A tensor-product NURBS surface `S(u, v) = Σ Nᵢ(u) Nⱼ(v) wᵢⱼ Pᵢⱼ / Σ Nᵢ(u) Nⱼ(v) wᵢⱼ`.
 ///
@@ -113,10 +113,7 @@ impl NurbsSurface {
 
     /// The knots in one direction.
     pub fn knots(&self, direction: Direction) -> &KnotVector {
-        match direction {
-            Direction::U => &self.knots[0],
-            Direction::V => &self.knots[1],
-        }
+        &self.knots[direction]
     }
 
     /// The degrees in u and in v.

@@ -7,10 +7,10 @@ use glam::DVec4;
 use rayon::prelude::*;
 
 use super::nurbs_surface::check_domain;
-use super::{BezierForm, Direction, NurbsSurface, SurfaceError};
+use super::{BezierForm, NurbsSurface, SurfaceError};
 use crate::geometry::polygon::elevate;
 use crate::geometry::polygon::{Insertions, merged, restrict};
-use crate::geometry::{KnotError, KnotVector, MAX_DEGREE};
+use crate::geometry::{Direction, KnotError, KnotVector, MAX_DEGREE};
 
 impl NurbsSurface {
     /// The same surface with the knot `t` inserted `times` times in u.
@@ -120,7 +120,7 @@ impl NurbsSurface {
         self.split(Direction::V, t)
     }
 
-    fn split(&self, direction: Direction, t: f64) -> Result<(Self, Self), SurfaceError> {
+    pub(crate) fn split(&self, direction: Direction, t: f64) -> Result<(Self, Self), SurfaceError> {
         let (start, end) = self.knots(direction).domain();
         let inside = start < t && t < end; // false for NaN
         if !inside {

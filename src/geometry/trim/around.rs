@@ -7,6 +7,7 @@ use glam::DVec2;
 use super::curve::euclidean;
 use super::segment::Segment;
 use super::{Kept, Trims, UvBox};
+use crate::geometry::Direction;
 
 /// The sectors into which trim curves cut the directions around a point.
 #[derive(Clone, Debug, PartialEq)]
@@ -136,7 +137,7 @@ impl Segment {
     fn level_with(&self, uv: DVec2) -> f64 {
         let [from, to] = self.ends();
         let size = (to - from).abs();
-        let axis = usize::from(size.y > size.x);
+        let axis = if size.y > size.x { Direction::V } else { Direction::U };
         self.reaching(axis, uv[axis])
     }
 }

@@ -3,7 +3,7 @@
 use super::{JOINT_TOLERANCE, MAX_PARAMETER, TrimError, TrimLoopError, UvBox};
 use glam::DVec2;
 
-use crate::geometry::{Direction, NurbsSurface};
+use crate::geometry::{Direction, NurbsSurface, RectSide};
 
 /// The domain of the surface that is trimmed.
 ///
@@ -24,8 +24,8 @@ use crate::geometry::{Direction, NurbsSurface};
 pub struct TrimDomain {
     range: [[f64; 2]; 2],
     periodic: [bool; 2],
-    /// Whether the sides at the smallest and the largest u, and v, are poles.
-    poles: [[bool; 2]; 2],
+    /// Which sides are poles.
+    poles: [bool; 4],
 }
 
 impl TrimDomain {
@@ -40,7 +40,7 @@ impl TrimDomain {
                 return Err(TrimError::Domain { direction, start, end });
             }
         }
-        Ok(Self { range: [u, v], periodic: [false; 2], poles: [[false; 2]; 2] })
+        Ok(Self { range: [u, v], periodic: [false; 2], poles: [false; 4] })
     }
 
     /// The domain of a surface, periodic in neither direction and without poles.
@@ -59,26 +59,22 @@ impl TrimDomain {
     /// When the surface's parameters go beyond 10¹⁰⁰.
     pub fn with_seams_of(surface: &NurbsSurface) -> Result<Self, TrimError> {
         let mut domain = Self::of(surface)?;
-        for direction in [Direction::U, Direction::V] {
+        for direction in Direction::BOTH {
             if surface.closes(direction) {
                 domain = domain.periodic_in(direction);
             }
-            let axis = direction as usize;
-            for (side, at) in domain.range[axis].into_iter().enumerate() {
-                let border = match direction {
-                    Direction::U => surface.curve_at_u(at),
-                    Direction::V => surface.curve_at_v(at),
-                };
-                domain.poles[axis][side] = border.is_ok_and(|border| border.is_point());
-            }
         }
+        domain.poles = RectSide::ALL.map(|side| {
+            let border = surface.curve_at(side.fixed(), side.value_in(&domain.range));
+            border.is_ok_and(|border| border.is_point())
+        });
         Ok(domain)
     }
 
     /// The same domain, closing on itself in a direction.
     #[must_use]
     pub fn periodic_in(mut self, direction: Direction) -> Self {
-        self.periodic[direction as usize] = true;
+        self.periodic[direction] = true;
         self
     }
 
@@ -86,7 +82,7 @@ impl TrimDomain {
     /// one.
     pub(super) fn reversed_u(mut self, range: [f64; 2]) -> Self {
         self.range[0] = range;
-        self.poles[0].reverse();
+        self.poles[..2].reverse();
         self
     }
 
@@ -97,31 +93,32 @@ impl TrimDomain {
 
     /// Whether the domain closes on itself in a direction.
     pub fn is_periodic(&self, direction: Direction) -> bool {
-        self.periodic[direction as usize]
+        self.periodic[direction]
     }
 
     /// The way along a pole between two points no farther than `slack` from it, or along two poles
     /// that share a corner; `None` if there are no such poles.
     pub(super) fn along_poles(&self, ends: [DVec2; 2], slack: DVec2) -> Option<Vec<DVec2>> {
-        let sides = [[0, 0], [0, 1], [1, 0], [1, 1]];
         let on_poles = ends.map(|end| {
-            sides.map(|[axis, side]| {
-                let at = self.range[axis][side];
-                let is_near = self.poles[axis][side] && (end[axis] - at).abs() <= slack[axis];
+            RectSide::ALL.map(|side| {
+                let (fixed, at) = (side.fixed(), side.value_in(&self.range));
+                let is_near = self.poles[side] && (end[fixed] - at).abs() <= slack[fixed];
                 let mut on_pole = end;
-                on_pole[axis] = at;
+                on_pole[fixed] = at;
                 is_near.then_some(on_pole)
             })
         });
-        let pairs = |k: usize, other: usize| Some((on_poles[0][k]?, on_poles[1][other]?));
-        let along_one = (0..4).find_map(|k| pairs(k, k)).map(|(from, to)| vec![from, to]);
+        let pair = |a: RectSide, b: RectSide| Some((on_poles[0][a]?, on_poles[1][b]?));
+        let mut sides = RectSide::ALL.into_iter();
+        let along_one = sides.find_map(|side| pair(side, side)).map(|(from, to)| vec![from, to]);
         along_one.or_else(|| {
-            // A side of u and one of v.
-            let around_corner = [[0, 2], [0, 3], [1, 2], [1, 3]].into_iter().find_map(|[u, v]| {
-                let both = pairs(u, v).or_else(|| pairs(v, u))?;
-                Some((both, DVec2::new(self.range[0][u], self.range[1][v - 2])))
-            });
-            around_corner.map(|((from, to), corner)| vec![from, corner, to])
+            let [us, vs] = Direction::BOTH.map(RectSide::ends_of);
+            let mut corners = us.into_iter().flat_map(|u| vs.map(|v| (u, v)));
+            corners.find_map(|(u, v)| {
+                let (from, to) = pair(u, v).or_else(|| pair(v, u))?;
+                let corner = DVec2::new(u.value_in(&self.range), v.value_in(&self.range));
+                Some(vec![from, corner, to])
+            })
         })
     }
 
@@ -132,16 +129,16 @@ impl TrimDomain {
         let TrimLoopError::Open { next: 0, end, gap, .. } = error else { return error };
         let UvBox { min, max } = self.bounds();
         let slack = JOINT_TOLERANCE * (max - min);
-        let across = [Direction::U, Direction::V].into_iter().find(|&direction| {
-            let (along, beside) = (direction as usize, 1 - direction as usize);
+        let across = Direction::BOTH.into_iter().find(|&along| {
+            let beside = along.other();
             let off = gap[along].abs() - (max - min)[along];
             off.abs() <= slack[along] && gap[beside].abs() <= slack[beside]
         });
         let Some(direction) = across else { return error };
         let ends = [end + gap, end];
-        let at = |point: DVec2, border: DVec2| match direction {
-            Direction::U => DVec2::new(point.x, border.y),
-            Direction::V => DVec2::new(border.x, point.y),
+        let at = |point: DVec2, mut border: DVec2| {
+            border[direction] = point[direction];
+            border
         };
         let back = [min, max].map(|border| [at(ends[1], border), at(ends[0], border)]);
         TrimLoopError::Across { direction, ends, back }

@@ -31,17 +31,19 @@ struct Line {
 }
 
 /// The parts of a segment whose two sides are alike.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Alike {
-    /// The parameter that varies along the segment: 0 for u, 1 for v.
-    along: usize,
+    /// The parameter that varies along the segment.
+    along: Direction,
     /// Ranges of this parameter, in order.
     ranges: Vec<[f64; 2]>,
 }
 
 impl Alike {
+    const NOTHING: Self = Self { along: Direction::U, ranges: Vec::new() };
+
     /// The values of a parameter at which such parts begin or end.
-    pub(super) fn ends(&self, axis: usize) -> &[f64] {
+    pub(super) fn ends(&self, axis: Direction) -> &[f64] {
         if axis == self.along { self.ranges.as_flattened() } else { &[] }
     }
 
@@ -57,7 +59,7 @@ impl SeamSides {
     pub(super) fn new(domain: TrimDomain, segments: &[Segment]) -> Self {
         let periods = domain.bounds().size();
         let mut all = Self { domain, lines: [Vec::new(), Vec::new()], slack: DVec2::ZERO };
-        for axis in 0..2 {
+        for axis in Direction::BOTH {
             let across = segments.iter().filter(|segment| all.across(segment) == Some(axis));
             let across: Vec<&Segment> = across.collect();
             let largest = across.iter().map(|one| one.ends()[0][axis].abs()).fold(0.0, f64::max);
@@ -70,7 +72,7 @@ impl SeamSides {
             let lines = sides.chunk_by(|a, b| b.0 - a.0 <= all.slack[axis]).map(|sides| {
                 let covered = [false, true].map(|forward| {
                     let those = sides.iter().filter(|(_, one)| one.is_forward() == forward);
-                    joined(those.map(|(_, one)| one.ends().map(|end| end[1 - axis])).collect())
+                    joined(those.map(|(_, one)| one.ends().map(|end| end[axis.other()])).collect())
                 });
                 Line { at: [sides[0].0, sides[sides.len() - 1].0], covered }
             });
@@ -84,11 +86,11 @@ impl SeamSides {
     /// Ends of sides that differ by no more than those of a side and its seam may agree: CAD files
     /// fit both sides separately.
     pub(super) fn alike(&self, segment: &Segment, size: DVec2) -> Alike {
-        let Some(axis) = self.across(segment) else { return Alike::default() };
-        let along = 1 - axis;
+        let Some(axis) = self.across(segment) else { return Alike::NOTHING };
+        let along = axis.other();
         let place = self.place(axis, segment.ends()[0][axis]);
         let index = self.lines[axis].partition_point(|line| line.at[1] < place);
-        let Some(line) = self.lines[axis].get(index) else { return Alike::default() };
+        let Some(line) = self.lines[axis].get(index) else { return Alike::NOTHING };
         let other = &line.covered[usize::from(!segment.is_forward())];
 
         let length = self.domain.bounds().size()[along];
@@ -111,14 +113,14 @@ impl SeamSides {
     }
 
     /// The periodic direction across which a segment runs, at one parameter.
-    fn across(&self, segment: &Segment) -> Option<usize> {
+    fn across(&self, segment: &Segment) -> Option<Direction> {
         let [from, to] = segment.ends();
-        let periodic = [Direction::U, Direction::V].map(|way| self.domain.is_periodic(way));
-        (0..2).find(|&axis| periodic[axis] && from[axis] == to[axis])
+        let runs_across = |axis: &Direction| from[*axis] == to[*axis];
+        Direction::BOTH.into_iter().filter(|axis| self.domain.is_periodic(*axis)).find(runs_across)
     }
 
     /// A parameter less whole periods: from 0, or just below it, to just below one period.
-    fn place(&self, axis: usize, at: f64) -> f64 {
+    fn place(&self, axis: Direction, at: f64) -> f64 {
         let [start, end] = self.domain.range()[axis];
         let period = end - start;
         let place = (at - start).rem_euclid(period);

@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
 use super::UvBox;
+use crate::geometry::Direction;
 use crate::math::bernstein::{self, binomial};
 use crate::math::rounding::UNIT_ROUNDOFF;
 
@@ -245,7 +246,7 @@ impl Segment {
 
     /// The parameter at which a coordinate reaches `value`, which lies between the coordinates of
     /// the ends. The segment is monotone, so bisection down to neighbouring numbers finds it.
-    pub(super) fn reaching(&self, axis: usize, value: f64) -> f64 {
+    pub(super) fn reaching(&self, axis: Direction, value: f64) -> f64 {
         let rises = self.ends[0][axis] < self.ends[1][axis];
         let (mut low, mut high) = (0.0, 1.0);
         loop {

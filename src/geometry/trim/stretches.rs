@@ -18,18 +18,15 @@ pub(crate) struct EdgePiece {
 }
 
 impl Trims {
-    /// The stretches of the line of constant `u` (or `v`, for [`Direction::V`]) that are kept, as
-    /// ranges of the other parameter, in order. The kept part is closed: a line along a trim edge
+    /// The stretches of the line on which one parameter is `at` that are kept, as ranges of the
+    /// other parameter, in order. The kept part is closed: a line along a trim edge
     /// is kept where it touches the kept part. So is the domain's border beside loops along it,
     /// which may be off by rounding. Outside the domain there are no stretches.
     ///
     /// Their ends are where the line crosses the trim curves, to a few rounding errors where the
     /// crossing is steep.
-    pub fn kept_along(&self, direction: Direction, at: f64) -> Vec<[f64; 2]> {
-        let (fixed, free) = match direction {
-            Direction::U => (0, 1),
-            Direction::V => (1, 0),
-        };
+    pub fn kept_along(&self, fixed: Direction, at: f64) -> Vec<[f64; 2]> {
+        let free = fixed.other();
         let range = self.domain().range();
         let on_domain = range[fixed][0] <= at && at <= range[fixed][1]; // false for NaN
         if !on_domain {
@@ -83,7 +80,7 @@ impl Trims {
     pub(crate) fn edge_chains(&self, cuts: [&[f64]; 2]) -> Vec<Vec<EdgePiece>> {
         let domain = self.domain();
         let UvBox { min, max } = domain.bounds();
-        let lines = [0, 1].map(|axis| [cuts[axis], &[min[axis], max[axis]]].concat());
+        let lines = Direction::BOTH.map(|axis| [cuts[axis], &[min[axis], max[axis]]].concat());
         let sides = SeamSides::new(domain, &self.segments);
 
         let mut chains = Vec::new();
@@ -130,7 +127,7 @@ impl Trims {
 fn stops(segment: &Segment, lines: &[Vec<f64>; 2], alike: &Alike) -> Vec<f64> {
     let (reach, UvBox { min, max }) = (segment.reach(), segment.bounds());
     let mut crossings = Vec::new();
-    for axis in 0..2 {
+    for axis in Direction::BOTH {
         let [low, high] = [min[axis] + reach[axis], max[axis] - reach[axis]];
         let crossed = lines[axis].iter().chain(alike.ends(axis));
         let crossed = crossed.filter(|line| low < **line && **line < high);

@@ -167,24 +167,21 @@ impl TrimLoop {
     pub(super) fn straight_along_seams(&self, domain: &TrimDomain) -> Self {
         let (mut straight, bounds) = (self.clone(), self.bounds());
         let size = bounds.size();
-        for (axis, direction) in [Direction::U, Direction::V].into_iter().enumerate() {
-            if !domain.is_periodic(direction) {
-                continue;
-            }
+        for axis in Direction::BOTH.into_iter().filter(|&axis| domain.is_periodic(axis)) {
             let [start, end] = domain.range()[axis];
             let period = end - start;
             for piece in &mut straight.pieces {
                 let periods = ((piece.ends[0][axis] - start) / period).round();
                 let seam = if periods == 1.0 { end } else { start + periods * period };
                 let off = piece.hull().map(|point| (point[axis] - seam).abs()).fold(0.0, f64::max);
-                let length = UvBox::around(piece.hull()).size()[1 - axis];
-                let is_along = off / size[axis] <= ALONG * length / size[1 - axis];
+                let length = UvBox::around(piece.hull()).size()[axis.other()];
+                let is_along = off / size[axis] <= ALONG * length / size[axis.other()];
                 let is_near = off <= SEAM_TOLERANCE * period && off <= NEAR_SEAM * size[axis];
                 if off == 0.0 || !(is_near && is_along) {
                     continue; // also for NaN
                 }
                 straight.widest_gap = straight.widest_gap.max(off / size[axis]);
-                piece.control.iter_mut().for_each(|point| point[axis] = point.z * seam);
+                piece.control.iter_mut().for_each(|point| point[axis as usize] = point.z * seam);
                 piece.ends.iter_mut().for_each(|end| end[axis] = seam);
             }
         }

@@ -385,11 +385,11 @@ fn shifts_into(
 ) -> Result<Vec<DVec2>, TrimError> {
     let (loop_box, bounds) = (trim_loop.bounds(), domain.bounds());
     let mut along = [vec![0.0], vec![0.0]];
-    for (axis, direction) in [Direction::U, Direction::V].into_iter().enumerate() {
-        let period = bounds.size()[axis];
+    for direction in Direction::BOTH {
+        let period = bounds.size()[direction];
         let touch = TOUCH * period;
-        let (low, high) = (loop_box.min[axis], loop_box.max[axis]);
-        let (start, end) = (bounds.min[axis] + touch, bounds.max[axis] - touch);
+        let (low, high) = (loop_box.min[direction], loop_box.max[direction]);
+        let (start, end) = (bounds.min[direction] + touch, bounds.max[direction] - touch);
         if domain.is_periodic(direction) {
             let periods = (high - low) / period;
             if periods > MAX_PERIODS as f64 {
@@ -399,9 +399,9 @@ fn shifts_into(
             // All k with high + k period > start and low + k period < end.
             let (first, last) = (((start - high) / period).ceil(), ((end - low) / period).floor());
             let count = (last - first).max(-1.0) as usize + usize::from(last >= first);
-            along[axis] = (0..count).map(|k| (first + k as f64) * period).collect();
+            along[direction] = (0..count).map(|k| (first + k as f64) * period).collect();
         }
-        along[axis].retain(|shift| high + shift > start && low + shift < end);
+        along[direction].retain(|shift| high + shift > start && low + shift < end);
     }
     let [us, vs] = along;
     let shifts: Vec<DVec2> =

@@ -66,21 +66,14 @@ impl TrimmedSurface {
         Ok(edges)
     }
 
-    /// The kept stretches of the curve `v ↦ S(u, v)` at `u = at`, or for [`Direction::V`] of
-    /// `u ↦ S(u, v)` at `v = at`, each on its own part of the domain.
+    /// The kept stretches of the [curve](NurbsSurface::curve_at) on which one parameter is `at`,
+    /// each on its own part of the domain.
     ///
     /// # Errors
     /// When the parameter is off the domain.
-    pub fn kept_curves(
-        &self,
-        direction: Direction,
-        at: f64,
-    ) -> Result<Vec<NurbsCurve>, SurfaceError> {
-        let whole = match direction {
-            Direction::U => self.surface().curve_at_u(at)?,
-            Direction::V => self.surface().curve_at_v(at)?,
-        };
-        let kept = self.trims().kept_along(direction, at).into_iter();
+    pub fn kept_curves(&self, fixed: Direction, at: f64) -> Result<Vec<NurbsCurve>, SurfaceError> {
+        let whole = self.surface().curve_at(fixed, at)?;
+        let kept = self.trims().kept_along(fixed, at).into_iter();
         Ok(kept.map(|[from, to]| whole.restricted((from, to))).collect())
     }
 }

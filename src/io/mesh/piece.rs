@@ -133,10 +133,7 @@ fn cut(surface: NurbsSurface, direction: Direction) -> Result<Vec<NurbsSurface>,
         .collect();
     let (mut pieces, mut rest) = (Vec::new(), surface);
     for crease in creases {
-        let (before, after) = match direction {
-            Direction::U => rest.split_u(crease),
-            Direction::V => rest.split_v(crease),
-        }?;
+        let (before, after) = rest.split(direction, crease)?;
         pieces.push(before);
         rest = after;
     }

@@ -49,9 +49,9 @@ impl Deviations {
 impl Plan {
     /// A plan with `cells(degree)` cells for every span.
     pub(super) fn new(piece: Piece, cells: impl Fn(usize) -> usize) -> Self {
-        let directions = [Direction::U, Direction::V];
-        let spans = directions.map(|direction| piece.knots(direction).spans().collect::<Vec<_>>());
-        let count = directions.map(|direction| cells(piece.knots(direction).degree()).max(1));
+        let spans =
+            Direction::BOTH.map(|direction| piece.knots(direction).spans().collect::<Vec<_>>());
+        let count = Direction::BOTH.map(|direction| cells(piece.knots(direction).degree()).max(1));
         let counts = [vec![count[0]; spans[0].len()], vec![count[1]; spans[1].len()]];
         Self { piece, spans, counts }
     }
@@ -164,7 +164,7 @@ impl Plan {
 
     /// The largest sampled speed of the surface: the length in space of a step of 1 in u or in v.
     fn speed(&self) -> f64 {
-        let samples = [Direction::U, Direction::V].map(|direction| {
+        let samples = Direction::BOTH.map(|direction| {
             let knots = self.piece.knots(direction);
             let spans = knots.spans().collect::<Vec<_>>();
             let at = spans.iter().flat_map(|span| FRACTIONS.map(|share| at(span, share)));

@@ -213,8 +213,7 @@ fn iso_curve(surface: &Surface, fixed: TriangleSide, t: f64) -> Result<Vec<Nurbs
             return curve.ok_or(DrawError::IsoOff { parameter: fixed, t, end: 1 });
         }
         (Surface::Limit(surface), Some(direction)) => return limit_curves(surface, direction, t),
-        (Surface::Nurbs(surface), Some(Direction::U)) => surface.curve_at_u(t).map(|c| vec![c]),
-        (Surface::Nurbs(surface), Some(Direction::V)) => surface.curve_at_v(t).map(|c| vec![c]),
+        (Surface::Nurbs(surface), Some(fixed)) => surface.curve_at(fixed, t).map(|c| vec![c]),
         (Surface::Trimmed(surface), Some(direction)) => surface.kept_curves(direction, t),
         (_, None) => return Err(DrawError::NoW { kind: surface.kind() }),
     };

@@ -71,11 +71,11 @@ impl Net {
     pub(in crate::scene) fn checked(&self) -> Result<NurbsSurface, NetFault> {
         let knots_u = self.knot_vector(Direction::U)?;
         let knots_v = self.knot_vector(Direction::V)?;
-        for direction in [Direction::U, Direction::V] {
-            let k = direction as usize;
+        for direction in Direction::BOTH {
             let weights = self.weights.as_ref().map(|weights| &weights.value[..]);
             let grid = Grid { points: &self.points.value, weights, size: self.size };
-            let checked = self.knots[k].value.check_period(&grid, direction, self.degree[k]);
+            let checked =
+                self.knots[direction].value.check_period(&grid, direction, self.degree[direction]);
             checked.map_err(|error| NetFault {
                 error: SurfaceError::Knots { direction, error },
                 blame: Blame::Points,
@@ -107,8 +107,8 @@ impl Net {
     }
 
     fn knot_vector(&self, direction: Direction) -> Result<KnotVector, NetFault> {
-        let k = direction as usize;
-        knot_vector(self.degree[k], &self.knots[k].value, self.size[k]).map_err(|error| NetFault {
+        let knots = &self.knots[direction].value;
+        knot_vector(self.degree[direction], knots, self.size[direction]).map_err(|error| NetFault {
             error: SurfaceError::Knots { direction, error },
             blame: Blame::Knots(direction),
         })
@@ -117,8 +117,7 @@ impl Net {
     /// Where the part to blame was written.
     pub(in crate::scene) fn place(&self, blame: Blame) -> &super::Place {
         match (blame, &self.weights) {
-            (Blame::Knots(Direction::U), _) => &self.knots[0].place,
-            (Blame::Knots(Direction::V), _) => &self.knots[1].place,
+            (Blame::Knots(direction), _) => &self.knots[direction].place,
             (Blame::Weights, Some(weights)) => &weights.place,
             (Blame::Points | Blame::Weights, _) => &self.points.place,
         }
@@ -141,7 +140,7 @@ impl Knots {
         direction: Direction,
         degree: usize,
     ) -> Result<(), KnotError> {
-        let count = grid.size[direction as usize];
+        let count = grid.size[direction];
         // At degree 1 a repeated point does no harm. The others must make a closed spline.
         let others = count.saturating_sub(degree);
         let may_repeat = degree > 1 && others >= LEAST_AROUND;
@@ -175,13 +174,12 @@ impl Grid<'_> {
 
     /// Whether two rows of control points across a direction are the same.
     fn are_same(&self, direction: Direction, i: usize, j: usize) -> bool {
-        let [rows, columns] = self.size;
-        let (across, start, step) = match direction {
-            Direction::U => (columns, columns, 1),
-            Direction::V => (rows, 1, columns),
-        };
-        (0..across).all(|k| {
-            let [a, b] = [i, j].map(|row| row * start + k * step);
+        let [_, columns] = self.size;
+        (0..self.size[direction.other()]).all(|k| {
+            let [a, b] = [i, j].map(|row| {
+                let [row, column] = direction.pair(row, k);
+                row * columns + column
+            });
             self.points[a] == self.points[b] && self.weights.is_none_or(|w| w[a] == w[b])
         })
     }

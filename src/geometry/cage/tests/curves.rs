@@ -12,7 +12,7 @@ fn lines_run_where_there_are_patches_and_nowhere_else() {
         for limit in made.into_iter().flatten() {
             let probe = Probe::new(limit);
             for unit in 0..probe.limit.unit_count() {
-                for (direction, at) in [Direction::U, Direction::V]
+                for (direction, at) in Direction::BOTH
                     .into_iter()
                     .flat_map(|direction| [0.0, 0.3, 0.5, 0.9, 1.0].map(|at| (direction, at)))
                 {
