@@ -8,7 +8,7 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | `direction`, `rect_side` | [`Direction`]: `u` or `v`; [`RectSide`]: a side of a domain or of a unit square |
+//! | `direction`, `rect_side` | [`Direction`], `u` or `v`; [`RectSide`], a side of a domain |
 //! | `magnitude`, `affine` | the range of numbers; what affine maps do to points and lengths |
 //! | `knots` | [`KnotVector`], and the [basis functions](BasisFunctions) over it |
 //! | `polygon` | control polygons, whether of curves or in nets: [`de_casteljau`], insertion, elevation, extraction |

@@ -10,7 +10,8 @@ use glam::DVec3;
 use self::tangents::{MARGIN, TangentBounds};
 use super::oriented_box::Axes;
 use super::pieces::field::Net;
-use super::{CollapsedSide, LEAF_SLACK, OrientedBox};
+use super::{LEAF_SLACK, OrientedBox};
+use crate::geometry::RectSide;
 use crate::math::Interval;
 use crate::math::rounded::{Near16, Up8, Up16};
 
@@ -130,7 +131,7 @@ impl Certificate {
     /// box. It holds for no ray when the tangents turn too far, or nothing can be said.
     pub(super) fn new(
         net: &Net<'_>,
-        collapsed: Option<CollapsedSide>,
+        collapsed: Option<RectSide>,
         axes: &Axes,
         oriented: &OrientedBox,
     ) -> Self {
@@ -161,7 +162,7 @@ impl Certificate {
     }
 
     /// No ray is certified.
-    fn none(collapsed: Option<CollapsedSide>) -> Self {
+    fn none(collapsed: Option<RectSide>) -> Self {
         let never = Up16::above(f64::INFINITY);
         let pole_per_error = if collapsed.is_some() { never } else { Up16::above(0.0) };
         Self {
@@ -259,7 +260,7 @@ mod tests {
     use glam::{DVec2, DVec3};
     use proptest::prelude::*;
 
-    use crate::geometry::{KnotVector, NurbsSurface};
+    use crate::geometry::{KnotVector, NurbsSurface, RectSide};
     use crate::math::testing::same_cases;
     use crate::patch::{Leaf, OrientedBox, PatchSet, ScaledFrame};
 
@@ -352,7 +353,7 @@ mod tests {
             });
             let (set, leaves) = leaves_of(points, &bumps, rational);
             let piece = &set.pieces()[0];
-            prop_assert!(piece.is_collapsed(side));
+            prop_assert!(piece.is_collapsed(RectSide::ALL[side]));
             let error = piece.patch.error_bound(0.0);
             for (leaf, oriented) in leaves.iter().filter(|(leaf, _)| leaf.pole(piece).is_some()) {
                 let pole = leaf.pole(piece).unwrap();

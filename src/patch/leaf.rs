@@ -14,9 +14,10 @@ use super::oriented_box::Axes;
 use super::parts::part::PartNet;
 use super::pieces::field::Net;
 use super::{
-    BORDER_REACH, Certificate, CollapsedSide, DyadicRect, FIT_DOMAIN, FitError, LEAF_SLACK,
-    OrientedBox, Part, Piece, ScaledFrame, StRect,
+    BORDER_REACH, Certificate, DyadicRect, FIT_DOMAIN, FitError, LEAF_SLACK, OrientedBox, Part,
+    Piece, ScaledFrame, StRect,
 };
+use crate::geometry::RectSide;
 use crate::math::rounded::{Up8, Up16};
 use crate::math::{prefetch, rounding};
 
@@ -97,8 +98,9 @@ impl Leaf {
         let [x, y] = leaf.half_side_lengths().map(f64::from);
         let is_flat = error.bend <= MOST_BEND_OF_FLAT * x.min(y);
         leaf.marks |= if is_flat { FLAT } else { 0 } | if part.trimmed { TRIMMED } else { 0 };
-        leaf.marks |=
-            if (0..4).any(|side| leaf.near_border(piece, side).is_some()) { AT_BORDER } else { 0 };
+        let mut sides = RectSide::ALL.into_iter();
+        let is_at_border = sides.any(|side| leaf.near_border(piece, side).is_some());
+        leaf.marks |= if is_at_border { AT_BORDER } else { 0 };
         leaf.stretch = Up16::above(stretch(&leaf, &weight, &part_net, piece, &error));
         (leaf, weight, oriented)
     }
@@ -147,14 +149,14 @@ impl Leaf {
 
     /// The collapsed side of its piece at which the leaf ends, if any.
     #[inline(always)]
-    pub(crate) fn collapsed(&self, piece: &Piece) -> Option<CollapsedSide> {
+    pub(crate) fn collapsed(&self, piece: &Piece) -> Option<RectSide> {
         if self.has_pole() { collapsed_side(self.rect, piece) } else { None }
     }
 
     /// The point in which the leaf ends, if it does.
     #[inline(always)]
     pub(crate) fn pole(&self, piece: &Piece) -> Option<DVec3> {
-        piece.collapsed(self.collapsed(piece)?.number())
+        piece.collapsed(self.collapsed(piece)?)
     }
 
     /// Whether a trim curve passes through, so that hits must be tested against it; otherwise
@@ -182,15 +184,15 @@ impl Leaf {
     /// The distance from a side of the piece, in its parameter, within which a hit may be within
     /// rounding of the side; `None` unless the side is a border of the surface and near the leaf.
     /// The leaf must be certified for the ray, or the ray's own proof hold in it, which allows for
-    /// no larger errors. Sides are counted as in [`Piece::is_border`].
+    /// no larger errors.
     ///
     /// Rounding then moves a root by less than half of the leaf's slack, and a hit at a border is
     /// within [`BORDER_REACH`] times that; the distance returned is twice as much.
     #[inline(always)]
-    pub(crate) fn near_border(&self, piece: &Piece, side: usize) -> Option<f64> {
-        let [from, to] = self.rect()[side / 2];
+    pub(crate) fn near_border(&self, piece: &Piece, side: RectSide) -> Option<f64> {
+        let [from, to] = self.rect()[side.fixed()];
         let reach = 2.0 * BORDER_REACH * (0.5 * LEAF_SLACK) * (to - from);
-        let distance = if side.is_multiple_of(2) { from } else { 1.0 - to };
+        let distance = if side.is_last() { 1.0 - to } else { from };
         (piece.is_border(side) && distance <= reach).then_some(reach)
     }
 
@@ -334,10 +336,10 @@ fn term(fit: &Fit, m: usize) -> DVec3 {
 }
 
 /// The collapsed side of a piece that a rectangle touches.
-fn collapsed_side(rect: DyadicRect, piece: &Piece) -> Option<CollapsedSide> {
+fn collapsed_side(rect: DyadicRect, piece: &Piece) -> Option<RectSide> {
     let ranges = rect.ranges();
-    let ends_there = |side: &CollapsedSide| side.is_reached_by(&ranges);
-    CollapsedSide::ALL.into_iter().filter(|side| piece.is_collapsed(side.number())).find(ends_there)
+    let ends_there = |side: &RectSide| side.is_reached_by(&ranges);
+    RectSide::ALL.into_iter().filter(|side| piece.is_collapsed(*side)).find(ends_there)
 }
 
 const _: () = assert!(size_of::<Leaf>() == 256);

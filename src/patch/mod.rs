@@ -63,7 +63,6 @@ pub(crate) use oriented_box::{OrientedBox, Passage};
 pub(crate) use parts::part::Part;
 pub(crate) use parts::tiles::GroupedParts;
 pub(crate) use parts::tiles::MOST_TOGETHER;
-pub use pieces::collapsed_side::CollapsedSide;
 pub(crate) use pieces::piece::BESIDE_COLLAPSED;
 pub use pieces::piece::Piece;
 pub(crate) use pieces::piece_net::PieceNet;

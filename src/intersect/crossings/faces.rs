@@ -5,11 +5,11 @@ use std::f64::consts::FRAC_PI_2;
 use glam::{DVec2, DVec3};
 
 use super::same_place::{Reach, moved};
-use crate::geometry::Direction;
+use crate::geometry::{Direction, RectSide};
 use crate::intersect::roots::borders::{AIMED_AT_TRIMS, root_reach, trim_reach};
 use crate::intersect::roots::meeting::Meeting;
 use crate::math::bernstein::restrict;
-use crate::patch::{CollapsedSide, Piece};
+use crate::patch::Piece;
 
 /// The most times a curve is halved to see on which side of the ray it passes: what is left is then
 /// far below what rounding can resolve.
@@ -64,7 +64,7 @@ impl Face<'_> {
     /// if it enters. `None` if the angle cannot be determined.
     pub(super) fn angle(&self) -> Option<f64> {
         let sides = self.sides();
-        let mut poles = self.piece.collapsed_sides().filter(|(side, _)| sides[side.number()]);
+        let mut poles = self.piece.collapsed_sides().filter(|(side, _)| sides[*side]);
         let angle = match (poles.next(), poles.next()) {
             (None, _) => self.around_place(sides),
             (Some((side, pole)), None) => self.around_pole(side, pole),
@@ -116,8 +116,8 @@ impl Face<'_> {
 
     /// The angle around a pole: swept, along the collapsed side, by the
     /// [direction](Piece::away_from_pole) that leads away from the pole.
-    fn around_pole(&self, side: CollapsedSide, pole: DVec3) -> Option<f64> {
-        let (piece, fixed) = (self.piece, side.parameter());
+    fn around_pole(&self, side: RectSide, pole: DVec3) -> Option<f64> {
+        let (piece, fixed) = (self.piece, side.fixed());
         let away = piece.away_from_pole(side, pole);
         // Where all of them are parallel, as at a cusp, they say nothing about its surroundings.
         let spans = |a: &DVec3, b: &DVec3| {
@@ -131,15 +131,12 @@ impl Face<'_> {
 
         // The normal is the cross product of the direction's derivative along the side and the
         // direction, or of these in reverse order.
-        let sign = if (fixed == 0) == (side.end() == 0) { 1.0 } else { -1.0 };
-        let [start, end] = piece.domain()[1 - fixed];
+        let sign = if (fixed == Direction::U) != side.is_last() { 1.0 } else { -1.0 };
+        let [start, end] = piece.domain()[side.along()];
         let local = |u: f64| ((u - start) / (end - start)).clamp(0.0, 1.0);
         let kept = match piece.trims() {
             None => vec![[start, end]],
-            Some(trims) => {
-                let direction = [Direction::U, Direction::V][fixed];
-                trims.kept_along(direction, piece.chart_uv(side.beside(DVec2::splat(0.5)))[fixed])
-            }
+            Some(trims) => trims.kept_along(fixed, piece.chart_uv(side.place(0.5))[fixed]),
         };
         let swept = |stretch: [f64; 2]| {
             let [from, to] = stretch.map(local);

@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::sides::has_no_normal;
+use crate::geometry::{Direction, RectSide};
 use crate::intersect::roots::meeting::Meeting;
 use crate::patch::{Jet, Piece};
 
@@ -110,11 +111,10 @@ impl Reach {
         Self { axis, along_ray: across / cosine + edge, across_ray: across + edge }
     }
 
-    /// Which sides of its piece a place may be at, to first order: `s = 0`, `s = 1`, `t = 0`,
-    /// `t = 1`.
+    /// Which sides of its piece a place may be at, to first order.
     pub(super) fn sides(&self, st: DVec2, jet: &Jet) -> [bool; 4] {
-        let [s, t] = self.in_parameters(jet);
-        [st.x <= s, 1.0 - st.x <= s, st.y <= t, 1.0 - st.y <= t]
+        let (near, distances) = (self.in_parameters(jet), RectSide::distances(st));
+        RectSide::ALL.map(|side| distances[side] <= near[side.fixed()])
     }
 
     /// The same distance in each parameter.
@@ -148,7 +148,6 @@ fn slope(meeting: &Meeting) -> f64 {
 struct AtSides<'a> {
     meeting: &'a Meeting,
     piece: &'a Piece,
-    /// `s = 0`, `s = 1`, `t = 0`, `t = 1`.
     sides: [bool; 4],
     /// Whether one of these sides is a border of the surface or collapsed to a point, or there is a
     /// trim edge: whatever else ends there may be met at the same place.
@@ -158,8 +157,9 @@ struct AtSides<'a> {
 impl<'a> AtSides<'a> {
     fn new(meeting: &'a Meeting, piece: &'a Piece, reach: &Reach) -> Self {
         let sides = reach.sides(meeting.st, &meeting.jet);
-        let ends = |side: usize| piece.is_border(side) || piece.is_collapsed(side);
-        let at_end = meeting.at_trims || (0..4).any(|side| sides[side] && ends(side));
+        let ends = |side: RectSide| piece.is_border(side) || piece.is_collapsed(side);
+        let at_side = RectSide::ALL.into_iter().any(|side| sides[side] && ends(side));
+        let at_end = meeting.at_trims || at_side;
         Self { meeting, piece, sides, at_end }
     }
 
@@ -167,9 +167,11 @@ impl<'a> AtSides<'a> {
     fn adjoins(&self, after: &Self) -> bool {
         let (before, behind) = (self.piece.domain(), after.piece.domain());
         let touch = (0..2).all(|k| before[k][0] <= behind[k][1] && behind[k][0] <= before[k][1]);
-        let at_line =
-            |k: usize| before[k][1] == behind[k][0] && self.sides[2 * k + 1] && after.sides[2 * k];
-        touch && (0..2).any(at_line)
+        let at_line = |k: Direction| {
+            let [first, last] = RectSide::ends_of(k);
+            before[k][1] == behind[k][0] && self.sides[last] && after.sides[first]
+        };
+        touch && Direction::BOTH.into_iter().any(at_line)
     }
 
     /// Whether another meeting is at the same parameters, to within four times `reach`: there may

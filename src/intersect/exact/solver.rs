@@ -6,9 +6,10 @@ use glam::{DMat2, DVec2};
 
 use super::contact::{self, Contact};
 use super::parameter_box::{Bounds, Preconditioned, RayNet};
+use crate::geometry::RectSide;
 use crate::math::bernstein::restrict_net;
 use crate::math::{Interval, RayFrame};
-use crate::patch::{CollapsedSide, StRect, TensorPatch, holds};
+use crate::patch::{StRect, TensorPatch, holds};
 
 /// How many boxes one call may look at before it only searches for the two ends of what is
 /// left. A transversal hit takes 2 to 10, a tangency about a hundred; a ray inside a surface
@@ -74,7 +75,7 @@ pub(crate) struct Problem<'a> {
     /// A root is wanted only if it lies in this rectangle, to within its slack.
     pub wanted: StRect,
     /// The side at which the rectangle ends in a point.
-    pub collapsed: Option<CollapsedSide>,
+    pub collapsed: Option<RectSide>,
     /// The ray.
     pub ray: &'a RayFrame,
     /// How far computed points may be from the true ones.

@@ -3,6 +3,7 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::geometry::RectSide;
 use crate::math::RayFrame;
 use crate::patch::{BORDER_REACH, Jet, Piece};
 
@@ -116,5 +117,6 @@ pub(super) fn step_towards(jet: &Jet, v: DVec3) -> DVec2 {
 /// Whether a point lies within rounding of a side that is a border of the surface.
 pub(crate) fn at_border(piece: &Piece, st: DVec2, jet: &Jet, error: f64) -> bool {
     let distances = piece.side_distances(st, jet);
-    (0..4).any(|side| piece.is_border(side) && distances[side] <= BORDER_REACH * error)
+    let mut sides = RectSide::ALL.into_iter();
+    sides.any(|side| piece.is_border(side) && distances[side] <= BORDER_REACH * error)
 }

@@ -8,6 +8,7 @@
 use glam::{DVec2, DVec3};
 
 use super::borders::{TRIM_REACH, step_towards, trim_reach};
+use crate::geometry::RectSide;
 use crate::geometry::trim::Side;
 use crate::math::RayFrame;
 use crate::patch::{Jet, Piece};
@@ -119,7 +120,7 @@ struct Foot {
     st: DVec2,
     jet: Jet,
     /// The side beyond which the point lies, if it does.
-    beyond: Option<usize>,
+    beyond: Option<RectSide>,
     /// How far the place is off in the tangent plane.
     off: f64,
 }
@@ -134,7 +135,7 @@ impl Foot {
         let step = step_towards(&jet, point - jet.point);
         let next = st + step;
         let outside = [next.x < 0.0, next.x > 1.0, next.y < 0.0, next.y > 1.0];
-        let beyond = outside.iter().position(|&outside| outside);
+        let beyond = RectSide::ALL.into_iter().find(|&side| outside[side]);
         Self { st, jet, beyond, off: (step.x * jet.ds + step.y * jet.dt).length() }
     }
 }

@@ -5,9 +5,9 @@
 //! belong to a part that is kept.
 
 use super::spot::Spot;
-use crate::geometry::Direction;
+use crate::geometry::RectSide;
 use crate::math::RayFrame;
-use crate::patch::{CollapsedSide, PatchSet, Piece};
+use crate::patch::{PatchSet, Piece};
 
 impl<'a> Spot<'a> {
     /// The nearest place along a collapsed side that trims keep, perhaps on another piece that ends
@@ -15,18 +15,17 @@ impl<'a> Spot<'a> {
     pub(crate) fn kept(
         &self,
         set: &'a PatchSet,
-        side: CollapsedSide,
+        side: RectSide,
         (ray, allowed): (&RayFrame, f64),
     ) -> Option<Self> {
-        let fixed = side.parameter();
-        let direction = [Direction::U, Direction::V][fixed];
+        let (fixed, along) = (side.fixed(), side.along());
         let trims = self.piece.trims()?;
         let own = self.piece.domain();
         let at = within(own[fixed], self.st[fixed]);
-        let free = within(own[1 - fixed], self.st[1 - fixed]);
-        let stretches = trims.kept_along(direction, at);
+        let free = within(own[along], self.st[along]);
+        let stretches = trims.kept_along(fixed, at);
         // A little inside the edge, if there is room: kept without doubt.
-        let little = INSIDE * (own[1 - fixed][1] - own[1 - fixed][0]);
+        let little = INSIDE * (own[along][1] - own[along][0]);
         let nearest = |stretch: [f64; 2]| nearest_inside(stretch, little, free);
         let near = |a: &f64, b: &f64| (a - free).abs().total_cmp(&(b - free).abs());
         let to = stretches.into_iter().map(nearest).min_by(near)?;
@@ -34,8 +33,8 @@ impl<'a> Spot<'a> {
         let holds = |piece: &Piece| {
             let domain = piece.domain();
             domain[fixed] == own[fixed]
-                && (domain[1 - fixed][0]..=domain[1 - fixed][1]).contains(&to)
-                && piece.is_collapsed(side.number())
+                && (domain[along][0]..=domain[along][1]).contains(&to)
+                && piece.is_collapsed(side)
                 && piece.trims().is_some_and(|theirs| std::ptr::eq(theirs, trims))
         };
         let (index, piece) = if holds(self.piece) {
@@ -45,9 +44,9 @@ impl<'a> Spot<'a> {
             let index = pieces.find(|&index| holds(&set.pieces()[index]))?;
             (index as u32, &set.pieces()[index])
         };
-        let [start, end] = piece.domain()[1 - fixed];
+        let [start, end] = piece.domain()[along];
         let mut st = self.st;
-        st[1 - fixed] = ((to - start) / (end - start)).clamp(0.0, 1.0);
+        st[along] = ((to - start) / (end - start)).clamp(0.0, 1.0);
         let jet = piece.patch.jet(st);
         let residual = ray.distance(jet.point);
         (residual <= allowed).then_some(Self { index, piece, st, jet })

@@ -4,6 +4,7 @@
 use glam::{DVec2, DVec3};
 
 use super::spot::{BESIDE_CORNER, Spot};
+use crate::geometry::{Direction, RectSide};
 use crate::math::RayFrame;
 
 impl Spot<'_> {
@@ -20,11 +21,11 @@ impl Spot<'_> {
         [at_border, inside]: [f64; 2],
     ) -> Option<bool> {
         let Self { piece, st, .. } = *self;
-        let at = |side: &usize| st[side / 2] == (side % 2) as f64;
-        let poles = piece.collapsed_sides().filter(|(side, _)| at(&side.number()));
+        let at = |side: RectSide| st[side.fixed()] == side.value();
+        let poles = piece.collapsed_sides().filter(|(side, _)| at(*side));
         let outside = poles.map(|(side, pole)| {
             let passes = -ray.coordinates(pole).truncate();
-            let ends = [0, 1].map(|end| piece.is_border(2 * (1 - side.parameter()) + end));
+            let ends = RectSide::ends_of(side.along()).map(|end| piece.is_border(end));
             let margins = ends.map(|is_border| if is_border { at_border } else { inside });
             let away = piece.away_from_pole(side, pole);
             let away: Vec<DVec2> = away.into_iter().map(|way| ray.across(way)).collect();
@@ -71,20 +72,18 @@ pub(super) fn stands_still(spot: &Spot<'_>, error: f64) -> bool {
         return false;
     }
     let degree = piece.patch.degree();
-    (0..2).any(|along| {
-        // The side that leaves the corner along this parameter.
-        let across = 1 - along;
+    // The sides that leave the corner.
+    Direction::BOTH.into_iter().any(|fixed| {
+        let side = RectSide::ends_of(fixed)[corner[fixed] as usize];
         let at = |k: usize| {
-            let fixed = corner[across] as usize * degree[across];
-            let [i, j] = if along == 0 { [k, fixed] } else { [fixed, k] };
+            let [i, j] = fixed.pair(side.end() * degree[fixed], k);
             let control = piece.patch.control_point(i, j);
             control.truncate() / control.w
         };
-        let points: Vec<DVec3> = (0..=degree[along]).map(at).collect();
+        let points: Vec<DVec3> = (0..=degree[side.along()]).map(at).collect();
         let length = points.windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f64>();
-        let tangent = if along == 0 { jet.ds } else { jet.dt };
-        let is_collapsed = piece.is_collapsed(2 * across + corner[across] as usize);
-        !is_collapsed && tangent.length_squared() < STANDS_STILL * error * length
+        let tangent = [jet.ds, jet.dt][side.along()];
+        !piece.is_collapsed(side) && tangent.length_squared() < STANDS_STILL * error * length
     })
 }
 

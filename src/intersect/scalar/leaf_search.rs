@@ -5,12 +5,13 @@ use glam::DVec2;
 use super::findings::Findings;
 use super::hull::Hull;
 use super::newton::{Grounds, Newton, newton};
+use crate::geometry::RectSide;
 use crate::intersect::exact::{Problem, Proof, Solution};
 use crate::intersect::roots::accept::{AROUND, Dropped, accept};
 use crate::intersect::roots::borders::on_piece;
 use crate::intersect::roots::question::{PlacedLeaf, Question};
 use crate::math::RayFrame;
-use crate::patch::{CollapsedSide, LEAF_SLACK, Leaf, Passage, Piece, StRect, WIDENING, holds};
+use crate::patch::{LEAF_SLACK, Leaf, Passage, Piece, StRect, WIDENING, holds};
 
 /// Searches a leaf the fast way: by Newton where the leaf's certificate holds, else by the exact
 /// solver.
@@ -198,8 +199,8 @@ fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (StRect, bool) {
     let sides = leaf.rect();
     let middle = DVec2::from_array(sides.map(|[from, to]| 0.5 * (from + to)));
     let mut is_all = true;
-    for side in CollapsedSide::ALL {
-        let (k, end) = (side.parameter(), side.end());
+    for side in RectSide::ALL {
+        let fixed = side.fixed();
         if !side.is_reached_by(&sides) || leaf.collapsed(piece) == Some(side) {
             continue;
         }
@@ -212,18 +213,18 @@ fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (StRect, bool) {
         };
         let in_middle = part(middle);
         if in_middle > LEAF_SLACK {
-            let farthest = FARTHEST_BEYOND / piece.patch.degree()[k] as f64;
+            let farthest = FARTHEST_BEYOND / piece.patch.degree()[fixed] as f64;
             // A surface that crosses itself has no length in one place, but is long at both ends of
             // the side. A ray that passes within rounding of that place meets the surface there.
             let is_short = |across: f64| {
                 let mut place = middle;
-                place[1 - k] = across;
+                place[side.along()] = across;
                 part(place) > 4.0 * farthest
             };
-            is_all &= in_middle <= 4.0 * farthest || !sides[1 - k].into_iter().any(is_short);
-            let [from, to] = sides[k];
+            is_all &= in_middle <= 4.0 * farthest || !sides[side.along()].into_iter().any(is_short);
+            let [from, to] = sides[fixed];
             let more = in_middle.min(farthest) * (to - from);
-            rect[k][end] = if end == 0 { from - more } else { to + more };
+            rect[fixed][side.end()] = if side.is_last() { to + more } else { from - more };
         }
     }
     (rect, is_all)

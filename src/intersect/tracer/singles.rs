@@ -5,6 +5,7 @@ use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
 use super::answer_of;
+use crate::geometry::RectSide;
 use crate::intersect::hit::{OneShot, StartIn};
 use crate::intersect::level::{Level, dispatch};
 use crate::intersect::roots::borders::at_border;
@@ -272,6 +273,8 @@ impl<'a> Certain<'a> {
 
 /// Whether a hit may lie within rounding of a border of its surface.
 fn near_border(leaf: &Leaf, piece: &Piece, st: DVec2) -> bool {
-    let distance = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
-    (0..4).any(|side| leaf.near_border(piece, side).is_some_and(|reach| distance[side] <= reach))
+    let distances = RectSide::distances(st);
+    let is_near =
+        |side| leaf.near_border(piece, side).is_some_and(|reach| distances[side] <= reach);
+    RectSide::ALL.into_iter().any(is_near)
 }

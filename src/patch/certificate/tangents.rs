@@ -3,12 +3,13 @@
 use glam::{DVec3, DVec4};
 
 use super::tangent_pairs::PairTurns;
+use crate::geometry::RectSide;
 use crate::math::Interval;
 use crate::math::bernstein::MAX_DEGREE;
+use crate::patch::mapped;
 use crate::patch::oriented_box::Axes;
 use crate::patch::pieces::field::{Field, Net};
 use crate::patch::pieces::tensor::euclidean;
-use crate::patch::{CollapsedSide, mapped};
 
 /// What is proved about a leaf, in the notation of [`Certificate`](crate::patch::Certificate).
 pub(super) struct TangentBounds {
@@ -47,11 +48,7 @@ const MOST_BEND: f64 = 1e3;
 impl TangentBounds {
     /// The proof for the net over the widened rectangle, in the frame of the leaf's axes; `None`
     /// where the tangents turn too far, or nothing can be said.
-    pub(super) fn new(
-        net: &Net<'_>,
-        collapsed: Option<CollapsedSide>,
-        axes: &Axes,
-    ) -> Option<Self> {
+    pub(super) fn new(net: &Net<'_>, collapsed: Option<RectSide>, axes: &Axes) -> Option<Self> {
         let [a, b, _] = axes.axes;
         match collapsed {
             None => regular_proof(net, [a, b]),
@@ -59,16 +56,13 @@ impl TangentBounds {
                 // A net whose collapsed side is `t = 0`: swap and mirror until it is.
                 let (degree, control) = net.with_collapsed_first(side);
                 let [in_s, in_t] = net.spacing;
-                let spacing = match side {
-                    CollapsedSide::T(_) => [in_s, in_t],
-                    CollapsedSide::S(_) => [in_t, in_s],
-                };
+                let spacing = side.along().pair(in_s, in_t);
                 let net = Net { degree, control: &control, spacing, ..*net };
                 match side {
-                    CollapsedSide::T(0) => pole_proof(&net, [a, b]),
-                    CollapsedSide::T(_) => pole_proof(&net, [a, -b]),
-                    CollapsedSide::S(end) => {
-                        let a = if end == 0 { a } else { -a };
+                    RectSide::FirstV => pole_proof(&net, [a, b]),
+                    RectSide::LastV => pole_proof(&net, [a, -b]),
+                    RectSide::FirstU | RectSide::LastU => {
+                        let a = if side.is_last() { -a } else { a };
                         let mut proof = pole_proof(&net, [b, a])?;
                         proof.turning.reverse();
                         proof.bend.reverse();

@@ -2,10 +2,11 @@
 
 use glam::{DVec3, DVec4};
 
+use crate::geometry::RectSide;
 use crate::math::Aabb;
 use crate::patch::pieces::grid::points_at;
 use crate::patch::pieces::tensor::euclidean_net;
-use crate::patch::{CollapsedSide, DyadicRect, Piece};
+use crate::patch::{DyadicRect, Piece};
 
 /// A piece is not halved more often than this in one direction: 2⁻¹⁶ of a side is small
 /// for any surface worth drawing, and a cusp would never become flat.
@@ -130,7 +131,7 @@ impl Bend {
         for k in (0..2).filter(|&k| rect.halvings(k) < MOST_HALVINGS) {
             let Turns { by_side, by_part } = turns[k];
             let reached =
-                |side: &CollapsedSide| side.parameter() == k && side.is_reached_by(&rect.ranges());
+                |side: &RectSide| side.fixed() as usize == k && side.is_reached_by(&rect.ranges());
             let poles = piece.collapsed_sides().filter(|(side, _)| reached(side)).count();
             // Two collapsed sides at the two ends of a direction need a leaf each.
             let least = if poles == 2 { f64::INFINITY } else { twist };

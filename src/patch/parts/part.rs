@@ -3,10 +3,11 @@
 use glam::{DVec3, DVec4};
 
 use super::bend::{Bend, MOST_HALVINGS};
+use crate::geometry::RectSide;
 use crate::geometry::trim::{Coverage, Trims};
 use crate::math::{Aabb, bernstein};
 use crate::patch::pieces::tensor::euclidean;
-use crate::patch::{BezierNet, CollapsedSide, DyadicRect, LEAF_SLACK, Piece, StRect, WIDENING};
+use crate::patch::{BezierNet, DyadicRect, LEAF_SLACK, Piece, StRect, WIDENING};
 
 /// A trim curve within the domain that stays this near to the border of a part, as a fraction of
 /// its sides, is not worth halving for: all parts on that side would be mixed, and hardly less of
@@ -157,7 +158,7 @@ impl PartNet {
         let chords = piece.patch.chords(old).map(DVec3::length);
         let runs_along_pole = |k: usize| {
             let mut poles = piece.collapsed_sides().map(|(side, _)| side);
-            poles.any(|side| side.parameter() != k && side.is_reached_by(&old))
+            poles.any(|side| side.along() as usize == k && side.is_reached_by(&old))
         };
         let rect = self.rect.cut_down_to(std::array::from_fn(|k| {
             let more = WIDENING * (old[k][1] - old[k][0]);
@@ -245,7 +246,7 @@ impl PartNet {
     pub(in crate::patch) fn widened(
         &self,
         piece: &Piece,
-        collapsed: Option<CollapsedSide>,
+        collapsed: Option<RectSide>,
     ) -> BezierNet {
         let mut ranges = [[-WIDENING, 1.0 + WIDENING]; 2];
         if let Some(side) = collapsed {

@@ -8,18 +8,22 @@ use glam::DVec3;
 
 use super::chart_grid::Grid;
 use super::piece::HALF_THE_DIGITS;
+use crate::geometry::RectSide;
 use crate::patch::Piece;
 
 /// Finds the apexes of a chart's pieces, judging by a few normals along each collapsed side.
 pub(in crate::patch) fn mark(pieces: &mut [Piece], grid: &Grid) {
     let Grid { first, rows, columns } = *grid;
-    for side in 0..4 {
+    for side in RectSide::ALL {
         // Sides of constant `s` follow each other from column to column, the others from row to
         // row.
-        let (lines, length) = if side < 2 { (rows, columns) } else { (columns, rows) };
+        let fixed = side.fixed();
+        let (lines, length) = ([rows, columns][fixed], [rows, columns][fixed.other()]);
         for line in 0..lines {
-            let place =
-                |k: usize| first + if side < 2 { line * columns + k } else { k * columns + line };
+            let place = |k: usize| {
+                let [row, column] = fixed.pair(line, k);
+                first + row * columns + column
+            };
             let mut start = 0;
             while start < length {
                 let run = (start..length).take_while(|&k| pieces[place(k)].is_collapsed(side));
@@ -34,7 +38,7 @@ pub(in crate::patch) fn mark(pieces: &mut [Piece], grid: &Grid) {
 }
 
 /// Whether the normals along a collapsed side of some pieces, one after another, have one limit.
-fn has_one_limit<'a>(mut pieces: impl Iterator<Item = &'a Piece>, side: usize) -> bool {
+fn has_one_limit<'a>(mut pieces: impl Iterator<Item = &'a Piece>, side: RectSide) -> bool {
     // Places without a limit say nothing.
     let mut one: Option<DVec3> = None;
     pieces.all(|piece| {

@@ -11,7 +11,9 @@ use super::power_nets::{KeptPowers, MadePowers, Others};
 use super::powers;
 use super::spline_net::LONGEST;
 use crate::geometry::trim::Trims;
-use crate::geometry::{BezierForm, Chart, ChartMap, Extractions, KnotVector, NurbsSurface};
+use crate::geometry::{
+    BezierForm, Chart, ChartMap, Direction, Extractions, KnotVector, NurbsSurface, RectSide,
+};
 use crate::math::rounding;
 use crate::patch::{BezierNet, NetSource, PieceNet, SplineNet};
 
@@ -145,11 +147,10 @@ impl ChartNet {
         let degree = knots.map(KnotVector::degree);
         let firsts = knots
             .map(|knots| knots.spans().map(|span| (span.index - knots.degree()) as u32).collect());
-        let [b0, b1, b2, b3] = chart.border;
-        let spans = [
-            piece_spans(knots[0], [b0, b1], chart.open_end[0]),
-            piece_spans(knots[1], [b2, b3], chart.open_end[1]),
-        ];
+        let spans = Direction::BOTH.map(|k| {
+            let border = RectSide::ends_of(k).map(|side| chart.border[side]);
+            piece_spans(knots[k], border, chart.open_end[k])
+        });
         let stride = knots[1].point_count();
         let (map, trims) = (chart.map, chart.trims.clone());
         let net = Self {

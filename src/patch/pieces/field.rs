@@ -4,9 +4,10 @@
 use glam::{DVec3, DVec4};
 
 use super::tensor::euclidean;
+use crate::geometry::RectSide;
 use crate::math::Interval;
 use crate::math::bernstein::binomials;
-use crate::patch::{BezierNet, CollapsedSide, mapped};
+use crate::patch::{BezierNet, mapped};
 
 /// The homogeneous control net over a leaf's widened rectangle.
 #[derive(Clone, Copy, Debug)]
@@ -34,10 +35,7 @@ impl Net<'_> {
     }
 
     /// The net turned so that the collapsed side becomes `t = 0`.
-    pub(in crate::patch) fn with_collapsed_first(
-        &self,
-        side: CollapsedSide,
-    ) -> ([usize; 2], BezierNet) {
+    pub(in crate::patch) fn with_collapsed_first(&self, side: RectSide) -> ([usize; 2], BezierNet) {
         let [p, q] = self.degree;
         let at = |i: usize, j: usize| self.control[i * (q + 1) + j];
         let turned = |rows: usize, columns: usize, pick: &dyn Fn(usize, usize) -> DVec4| {
@@ -47,10 +45,10 @@ impl Net<'_> {
                 .collect()
         };
         match side {
-            CollapsedSide::T(0) => ([p, q], self.control.into()),
-            CollapsedSide::T(_) => ([p, q], turned(p, q, &|i, j| at(i, q - j))),
-            CollapsedSide::S(0) => ([q, p], turned(q, p, &|i, j| at(j, i))),
-            CollapsedSide::S(_) => ([q, p], turned(q, p, &|i, j| at(p - j, i))),
+            RectSide::FirstV => ([p, q], self.control.into()),
+            RectSide::LastV => ([p, q], turned(p, q, &|i, j| at(i, q - j))),
+            RectSide::FirstU => ([q, p], turned(q, p, &|i, j| at(j, i))),
+            RectSide::LastU => ([q, p], turned(q, p, &|i, j| at(p - j, i))),
         }
     }
 }

@@ -11,7 +11,6 @@
 pub(super) mod apexes;
 pub(super) mod chart_grid;
 pub(super) mod chart_net;
-pub(super) mod collapsed_side;
 pub(super) mod field;
 pub(super) mod grid;
 pub(super) mod keeping;

@@ -8,9 +8,9 @@ use super::chart_net::ChartNet;
 use super::pole_normal::normal_by_pole;
 use super::tensor::euclidean;
 use crate::geometry::trim::{Side, Trims, UvBox, WindowCurve};
-use crate::geometry::{ChartMap, SurfaceDerivatives};
+use crate::geometry::{ChartMap, RectSide, SurfaceDerivatives};
 use crate::math::bits::has;
-use crate::patch::{CollapsedSide, Jet, StRect, TensorPatch};
+use crate::patch::{Jet, StRect, TensorPatch};
 
 /// The smallest sine of the angle between tangents that is used to tell how far a side is; it
 /// replaces smaller ones. So a side counts as no nearer than a thousandth of the way to it along
@@ -47,7 +47,8 @@ pub struct Piece {
     pub patch: TensorPatch,
     /// The index of the surface, in the order given.
     pub surface: u32,
-    /// Which sides are borders of the surface, and which are collapsed, a bit each.
+    /// Which sides are borders of the surface, and which are collapsed, a bit each in the order of
+    /// [`RectSide::ALL`].
     border: u8,
     collapsed: u8,
     /// Which of the collapsed ones are apexes, such as that of a cone (see
@@ -62,11 +63,9 @@ impl Piece {
     /// The piece that begins with the given row and column of a net.
     pub(in crate::patch) fn new(net: &Arc<ChartNet>, surface: u32, first: [u32; 2]) -> Self {
         let (patch, points) = TensorPatch::new(net, first);
-        let [u, v] = [0, 1].map(|k| &net.spans[k][first[k] as usize]);
-        let bit = |k: usize, set: bool| u8::from(set) << k;
-        let border = u.border.into_iter().chain(v.border).enumerate();
-        let border = border.map(|(side, is_border)| bit(side, is_border)).sum();
-        let open_end = bit(0, u.open_end) | bit(1, v.open_end);
+        let spans = [0, 1].map(|k| &net.spans[k][first[k] as usize]);
+        let border = sides(|side| spans[side.fixed()].border[side.end()]);
+        let open_end = u8::from(spans[0].open_end) | u8::from(spans[1].open_end) << 1;
         let collapsed = collapsed_sides(&patch, &points);
         Self { patch, surface, border, collapsed, apexes: 0, open_end }
     }
@@ -78,9 +77,9 @@ impl Piece {
         [net.spans[0][*row as usize].domain, net.spans[1][*column as usize].domain]
     }
 
-    /// Whether a side is a border of the surface: `s = 0`, `s = 1`, `t = 0`, `t = 1`.
-    pub(crate) fn is_border(&self, side: usize) -> bool {
-        has(self.border, side)
+    /// Whether a side is a border of the surface.
+    pub(crate) fn is_border(&self, side: RectSide) -> bool {
+        has(self.border, side as usize)
     }
 
     /// The surface parameters of a point of the unit square; exact at its corners, except at an
@@ -184,14 +183,14 @@ impl Piece {
         !matches!(self.patch.net.map, ChartMap::Identity)
     }
 
-    /// Whether a side is collapsed to a point; sides are counted as in [`Self::is_border`].
+    /// Whether a side is collapsed to a point.
     #[inline(always)]
-    pub(crate) fn is_collapsed(&self, side: usize) -> bool {
-        has(self.collapsed, side)
+    pub(crate) fn is_collapsed(&self, side: RectSide) -> bool {
+        has(self.collapsed, side as usize)
     }
 
     /// The point a side is collapsed to.
-    pub(crate) fn collapsed(&self, side: usize) -> Option<DVec3> {
+    pub(crate) fn collapsed(&self, side: RectSide) -> Option<DVec3> {
         if !self.is_collapsed(side) {
             return None;
         }
@@ -231,14 +230,15 @@ impl Piece {
         let error = self.patch.noise();
         let clear = (error * self.patch.size()).sqrt();
         let distances = self.side_distances(st, jet);
-        let parameters = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
-        let near = |side: usize| {
+        let parameters = RectSide::distances(st);
+        let near = |side: RectSide| {
             let reaches = distances[side] <= clear && parameters[side] <= BESIDE_COLLAPSED;
             self.is_collapsed(side) && reaches
         };
         // All along a collapsed side, the collapsed sides that it meets are near, too: only the
         // side that is nearest in its parameter counts.
-        let nearest = (0..4)
+        let nearest = RectSide::ALL
+            .into_iter()
             .filter(|&side| self.is_collapsed(side))
             .min_by(|&a, &b| parameters[a].total_cmp(&parameters[b]))
             .filter(|&side| near(side));
@@ -248,12 +248,9 @@ impl Piece {
         let Some(nearest) = nearest else {
             return if regular { cross } else { self.limit(st).unwrap_or(cross) }.try_normalize();
         };
-        let at = |place: DVec2, side: usize| {
-            let end = (side % 2) as f64;
-            if side < 2 { DVec2::new(end, place.y) } else { DVec2::new(place.x, end) }
-        };
-        let place = at(st, nearest);
-        let corner = (0..4).filter(|&side| near(side)).fold(place, at);
+        let place = nearest.beside(st);
+        let near_sides = RectSide::ALL.into_iter().filter(|&side| near(side));
+        let corner = near_sides.fold(place, |place, side| side.beside(place));
         let limit = self.limit_beside(place, st).or_else(|| self.limit_beside(corner, st));
         let [p, q] = self.patch.degree().map(|degree| 2.0 * degree as f64 * error);
         let turned = (p * sides[1] + q * sides[0]) / cross.length();
@@ -275,9 +272,9 @@ impl Piece {
     /// by which rounding may have turned it, from the pole that tells most; `None` if there is
     /// none.
     fn normal_by_pole(&self, st: DVec2) -> Option<(DVec3, f64)> {
-        let parameters = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
+        let parameters = RectSide::distances(st);
         self.collapsed_sides()
-            .filter(|(side, _)| parameters[side.number()] <= BESIDE_POLE)
+            .filter(|(side, _)| parameters[*side] <= BESIDE_POLE)
             .filter_map(|pole| normal_by_pole(&self.patch, pole, st))
             .min_by(|a, b| a.1.total_cmp(&b.1))
     }
@@ -301,12 +298,13 @@ impl Piece {
     pub fn is_apex(&self, point: DVec3) -> bool {
         let rounding = 4.0 * self.patch.noise();
         let is_at = |apex: DVec3| point.distance(apex) <= rounding;
-        (0..4).any(|side| has(self.apexes, side) && self.collapsed(side).is_some_and(is_at))
+        let mut poles = self.collapsed_sides();
+        poles.any(|(side, pole)| has(self.apexes, side as usize) && is_at(pole))
     }
 
     /// Marks a collapsed side as an apex.
-    pub(super) fn make_apex(&mut self, side: usize) {
-        self.apexes |= 1 << side;
+    pub(super) fn make_apex(&mut self, side: RectSide) {
+        self.apexes |= 1 << side as usize;
     }
 
     /// The limit of the unit normal from inside the piece.
@@ -321,20 +319,13 @@ impl Piece {
     }
 
     /// The limits of the unit normal at a few places along a side, where there are any.
-    pub(super) fn limits_along(&self, side: usize) -> impl Iterator<Item = DVec3> {
-        let end = (side % 2) as f64;
-        let place = move |along: f64| match side / 2 {
-            0 => DVec2::new(end, along),
-            _ => DVec2::new(along, end),
-        };
-        [0.1, 0.3, 0.5, 0.7, 0.9].into_iter().filter_map(move |along| self.limit(place(along)))
+    pub(super) fn limits_along(&self, side: RectSide) -> impl Iterator<Item = DVec3> {
+        [0.1, 0.3, 0.5, 0.7, 0.9].into_iter().filter_map(move |t| self.limit(side.place(t)))
     }
 
     /// The sides that are collapsed to a point.
-    pub fn collapsed_sides(&self) -> impl Iterator<Item = (CollapsedSide, DVec3)> {
-        CollapsedSide::ALL
-            .into_iter()
-            .filter_map(|side| Some((side, self.collapsed(side.number())?)))
+    pub fn collapsed_sides(&self) -> impl Iterator<Item = (RectSide, DVec3)> {
+        RectSide::ALL.into_iter().filter_map(|side| Some((side, self.collapsed(side)?)))
     }
 
     /// The directions that lead away from the pole at a collapsed side, along that side.
@@ -342,11 +333,11 @@ impl Piece {
     /// Where `t` is zero on the side, the surface minus the pole is `t q Σ Bᵢ(s) wᵢ (Pᵢ − P) / W`
     /// except for higher powers of `t`, with the control points `Pᵢ` of the next row: the
     /// directions are those of a Bézier curve, whose control points these are.
-    pub(crate) fn away_from_pole(&self, side: CollapsedSide, pole: DVec3) -> Vec<DVec3> {
-        let (fixed, degree) = (side.parameter(), self.patch.degree());
-        let row = if side.end() == 0 { 1 } else { degree[fixed] - 1 };
-        let away = (0..=degree[1 - fixed]).map(|k| {
-            let [i, j] = if fixed == 0 { [row, k] } else { [k, row] };
+    pub(crate) fn away_from_pole(&self, side: RectSide, pole: DVec3) -> Vec<DVec3> {
+        let (fixed, degree) = (side.fixed(), self.patch.degree());
+        let row = if side.is_last() { degree[fixed] - 1 } else { 1 };
+        let away = (0..=degree[side.along()]).map(|k| {
+            let [i, j] = fixed.pair(row, k);
             let control = self.patch.control_point(i, j);
             control.truncate() - control.w * pole
         });
@@ -374,17 +365,19 @@ fn collapsed_sides(patch: &TensorPatch, points: &[DVec3]) -> u8 {
         })
     };
     let (along_s, along_t) = ((1, 0), (0, 1));
-    let sides = [
+    let collapsed = [
         is_point(along_t, (0, 0), q),
         is_point(along_t, (p, 0), q),
         is_point(along_s, (0, 0), p),
         is_point(along_s, (0, q), p),
     ];
     // A piece that is a point all over has no sides to speak of.
-    if sides == [true; 4] {
-        return 0;
-    }
-    (0..4).map(|side| u8::from(sides[side]) << side).sum()
+    sides(|side| collapsed != [true; 4] && collapsed[side])
+}
+
+/// The sides for which something holds, a bit each.
+fn sides(hold: impl Fn(RectSide) -> bool) -> u8 {
+    RectSide::ALL.into_iter().map(|side| u8::from(hold(side)) << side as usize).sum()
 }
 
 const _: () = assert!(size_of::<Piece>() == 32);

@@ -10,14 +10,15 @@ use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
 use super::field::{Field, Net};
 use super::tensor::derivative_table;
-use crate::patch::{CollapsedSide, TensorPatch};
+use crate::geometry::{Direction, RectSide};
+use crate::patch::TensorPatch;
 
 /// The unit normal of a patch at a place, from the pole at one of its sides, and the angle, in
 /// radians, by which the rounding of tangents may have turned it; `None` where the pole tells
 /// nothing about it, for example where the tangents away from the pole do not turn along the side.
 pub(super) fn normal_by_pole(
     patch: &TensorPatch,
-    (side, pole): (CollapsedSide, DVec3),
+    (side, pole): (RectSide, DVec3),
     st: DVec2,
 ) -> Option<(DVec3, f64)> {
     let (control, noise) = (patch.control_net(), patch.noise());
@@ -26,10 +27,8 @@ pub(super) fn normal_by_pole(
     let field = net(degree, &control).recentred(pole);
     let quotient = field.over_t();
 
-    let fixed = side.parameter();
-    let mirrored = side.number() % 2 == 1;
-    let t = if mirrored { 1.0 - st[fixed] } else { st[fixed] }.max(0.0);
-    let in_s = derivative_table(p, st[1 - fixed]);
+    let t = RectSide::distances(st)[side].max(0.0);
+    let in_s = derivative_table(p, st[side.along()]);
     let [whole, lowered] = [q, q - 1].map(|degree| derivative_table(degree, t));
     let sum = |field: &Field, order_s: usize, in_t: &[f64]| -> DVec4 {
         let rows = field.values.chunks_exact(field.degree[1] + 1).zip(&in_s[order_s]);
@@ -50,7 +49,7 @@ pub(super) fn normal_by_pole(
     let turned = off * (by_s.length() + 2.0 * p as f64 * across.length()) / cross.length();
     let normal = cross.try_normalize()?;
     // Undoes the mirroring and swapping of the net.
-    let backwards = mirrored != (fixed == 0);
+    let backwards = side.is_last() != (side.fixed() == Direction::U);
     Some((if backwards { -normal } else { normal }, turned))
 }
 
@@ -82,8 +81,7 @@ mod tests {
                             .flat_map(|distance| [0.0, 0.3, 1.0].map(|along| (distance, along)))
                         {
                             let mut st = DVec2::splat(along);
-                            let end = (side.number() % 2) as f64;
-                            st[side.parameter()] = (end - distance).abs();
+                            st[side.fixed()] = (side.value() - distance).abs();
                             let (normal, turned) =
                                 normal_by_pole(&piece.patch, (side, pole), st).unwrap();
                             assert!(turned <= 1e-9, "{turned}");

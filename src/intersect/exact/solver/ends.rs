@@ -67,7 +67,7 @@ impl ExactSolver {
     fn end_axis(&self, problem: &Problem<'_>, rect: StRect, exhausted: [bool; 2]) -> usize {
         let spread = self.net.spread();
         let wanted = match problem.collapsed.filter(|_| self.at_collapsed_side(problem, rect)) {
-            Some(side) => side.parameter(),
+            Some(side) => side.fixed() as usize,
             None => usize::from(spread.y > spread.x),
         };
         if exhausted[wanted] { 1 - wanted } else { wanted }

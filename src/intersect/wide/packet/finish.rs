@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::rays::Packet;
 use super::target::{Closer, Ground, Ground8, Target, TrueLeaf};
+use crate::geometry::RectSide;
 use crate::geometry::trim::Side;
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::nearest::comes_first;
@@ -162,7 +163,7 @@ fn put_hits<S: Simd>(
     }
     if closer.has_near_sides {
         let distances = [root_s, high - root_s, root_t, high - root_t];
-        for side in 0..4 {
+        for side in RectSide::ALL {
             close |= distances[side].simd_le(f64x8::splat(simd, target.near_side(side)));
         }
     }

@@ -4,6 +4,7 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8, mask64x8
 use fearless_simd_macros::simd;
 use glam::DVec3;
 
+use crate::geometry::RectSide;
 use crate::intersect::wide::reach::WITH_SLACK;
 use crate::intersect::wide::search::distances::widened;
 use crate::intersect::wide::search::newton::{Leaves, Rays, Step};
@@ -78,7 +79,7 @@ impl<'a> Target<'a> {
     /// The distance from a side of the piece within which a hit may be at a border of the surface,
     /// or its normal may be a limit; minus infinity if neither can be.
     #[inline(always)]
-    pub(super) fn near_side(&self, side: usize) -> f64 {
+    pub(super) fn near_side(&self, side: RectSide) -> f64 {
         let border = self.leaf.near_border(self.piece, side).unwrap_or(f64::NEG_INFINITY);
         // Near a pole the normal is a limit.
         let is_beside_pole = self.pole.is_some() && self.piece.is_collapsed(side);
