@@ -18,7 +18,8 @@ pub struct Chart<'a> {
     pub surface: Cow<'a, NurbsSurface>,
     /// The map from the chart's parameters to the whole surface's (u, v).
     pub map: ChartMap,
-    /// Which sides are borders of the whole surface: first u, last u, first v, last v.
+    /// Which sides are borders of the whole surface, in the order of
+    /// [`RectSide::ALL`](super::RectSide::ALL).
     pub border: [bool; 4],
     /// Whether the last u, and the last v, belong to another chart, which begins there with
     /// other values. Points at such an end get the last number below it as their u or v.

@@ -20,7 +20,7 @@ use glam::DVec2;
 /// middle[Direction::V] = 0.5 * (start + end);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Direction {
     /// The first parameter; it runs along the columns of the control net.
     U,

@@ -166,8 +166,8 @@ impl Lines {
         // Doo–Sabin surfaces end within faces.
         for (index, patch) in surface.patches().iter().enumerate() {
             let Some(Ok(net)) = surface.surface(index) else { continue };
-            let ends = [patch.rect.low, patch.rect.unit_uv(1.0, 1.0)];
-            let is_within = |side: RectSide| ![0.0, 1.0].contains(&ends[side.end()][side.fixed()]);
+            let ranges = patch.rect.ranges();
+            let is_within = |side: RectSide| ![0.0, 1.0].contains(&side.value_in(&ranges));
             let sides = RectSide::ALL.into_iter().filter(|&side| patch.border[side]);
             for side in sides.filter(|&side| is_within(side)) {
                 let curve = net.curve_at(side.fixed(), side.value());

@@ -12,6 +12,7 @@ use super::net::Net;
 use super::seams::within;
 use super::topology::NONE;
 use super::tree::{Cut, MAX_LEVELS, Tree};
+use crate::geometry::RectSide;
 use crate::math::Aabb;
 
 /// A vertex of the current mesh with four faces around it. The patch over it extends to the middles
@@ -129,15 +130,16 @@ fn start(
 /// face that give no patch. The result is turned by `turn` quarters: at corner 0 of a square, u
 /// runs towards the next corner, v towards the previous one.
 fn borders(mesh: &Mesh, corner: u32, turn: usize) -> [bool; 4] {
+    /// Counterclockwise, from the one towards which u grows.
+    const AROUND: [RectSide; 4] =
+        [RectSide::LastU, RectSide::LastV, RectSide::FirstU, RectSide::FirstV];
     let topology = &mesh.topology;
     let open = |corner: u32| !topology.star(topology.vertex(corner)).closed;
     let next = open(topology.next(corner));
     let previous = open(topology.previous(corner));
-    // Sides are first u, last u, first v, last v.
-    let (towards_next, towards_previous) = [(1, 3), (3, 0), (0, 2), (2, 1)][turn % 4];
     let mut border = [false; 4];
-    border[towards_next] = next;
-    border[towards_previous] = previous;
+    border[AROUND[turn % 4]] = next;
+    border[AROUND[(turn + 1) % 4]] = previous;
     border
 }
 

@@ -13,12 +13,13 @@ use super::mesh::Mesh;
 use super::net::Net;
 use super::topology::NONE;
 use super::vertex_rule::decayed;
+use crate::geometry::Direction;
 
 /// A quad beside straight creases, or a strip of it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CreasedQuad {
-    /// The axis across the creases: 0 for u, 1 for v.
-    across: usize,
+    /// The direction across the creases.
+    across: Direction,
     /// The control points of a uniform bicubic spline, by rows across the creases. The quad lies
     /// between the second and the third row, and so along the rows. What an infinitely sharp edge
     /// would hide is mirrored there, so that the spline ends at the edge.
@@ -44,8 +45,8 @@ impl CreasedQuad {
         let sharpness = [[3, 1], [0, 2]].map(|sides| sides.map(|k| mesh.crease(corner(k))));
         let creased = sharpness.map(|sides| sides.iter().any(|&s| s > 0.0 && s.is_finite()));
         let across = match creased {
-            [true, false] => 0,
-            [false, true] => 1,
+            [true, false] => Direction::U,
+            [false, true] => Direction::V,
             _ => return None,
         };
 
@@ -70,13 +71,13 @@ impl CreasedQuad {
         }
         points = points.map(|row| mirrored(row, [first_v, last_v]));
 
-        let rows = if across == 0 { points } else { transposed(points) };
+        let rows = if across == Direction::U { points } else { transposed(points) };
         let finite = |s: f64| if s.is_finite() { s } else { 0.0 };
         Some(Self { across, rows, sharpness: sharpness[across].map(finite) })
     }
 
-    /// The axis across the creases: 0 for u, 1 for v.
-    pub(super) fn across(&self) -> usize {
+    /// The direction across the creases.
+    pub(super) fn across(&self) -> Direction {
         self.across
     }
 
@@ -120,17 +121,17 @@ impl CreasedQuad {
         let moves = ends.map(bezier);
         for (k, point) in net.iter_mut().enumerate() {
             let place = [k / 4, k % 4];
-            let (across, along) = (place[self.across], place[1 - self.across]);
+            let (across, along) = (place[self.across], place[self.across.other()]);
             *point += moves[across / 2][along];
         }
         net
     }
 }
 
-/// The Bézier patch of a spline given by its rows across an axis, v fastest.
-fn bezier_patch(across: usize, rows: [[DVec3; 4]; 4]) -> Net {
+/// The Bézier patch of a spline given by its rows across a direction, v fastest.
+fn bezier_patch(across: Direction, rows: [[DVec3; 4]; 4]) -> Net {
     let points = transposed(transposed(rows.map(bezier)).map(bezier));
-    let points = if across == 0 { points } else { transposed(points) };
+    let points = if across == Direction::U { points } else { transposed(points) };
     std::array::from_fn(|k| points[k / 4][k % 4])
 }
 

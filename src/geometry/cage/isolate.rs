@@ -93,7 +93,8 @@ impl Borders<'_> {
         self.0.twin(corner as u32) == NONE
     }
 
-    /// Which sides of a quad are borders: first u, last u, first v, last v.
+    /// Which sides of a quad are borders, in the order of
+    /// [`RectSide::ALL`](crate::geometry::RectSide::ALL).
     fn of_quad(&self, face: usize) -> [bool; 4] {
         let first = self.0.face_range(face).start;
         [3, 1, 0, 2].map(|k| self.at(first + k))

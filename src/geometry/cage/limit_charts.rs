@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3, DVec4};
 use super::limit_surface::{FaceRect, LimitPatch, LimitSurface, place_order};
 use crate::geometry::chart::Sealed;
 use crate::geometry::{
-    Chart, ChartMap, Charts, KnotVector, NurbsSurface, SurfaceDerivatives, bernstein,
+    Chart, ChartMap, Charts, KnotVector, NurbsSurface, RectSide, SurfaceDerivatives, bernstein,
 };
 
 impl Sealed for LimitSurface {}
@@ -100,9 +100,9 @@ impl LimitSurface {
         let (patch, st) = self.find(uv);
         let LimitPatch { rect, border, .. } = self.patches[patch];
         let rounding = 2.0 * f64::EPSILON * uv.abs().max_element().max(1.0);
-        let distances = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
-        let near = |side: usize| distances[side] <= rounding / rect.size[side / 2];
-        (0..4).any(|side| border[side] && near(side))
+        let distances = RectSide::distances(st);
+        let near = |side: RectSide| distances[side] <= rounding / rect.size[side.fixed()];
+        RectSide::ALL.into_iter().any(|side| border[side] && near(side))
     }
 
     fn sum(&self, patch: usize, u: &Basis, v: &Basis) -> DVec3 {

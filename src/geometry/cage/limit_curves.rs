@@ -22,7 +22,7 @@ impl LimitSurface {
         let mut met: Vec<(FaceRect, bool, usize)> = (first..beyond)
             .filter_map(|index| {
                 let rect = self.patches[index].rect;
-                let (low, high) = (rect.low[fixed], rect.high()[fixed]);
+                let [low, high] = rect.ranges()[fixed];
                 let ends = at == high;
                 ((low <= at && at < high) || ends).then_some((rect, ends, index))
             })
@@ -36,7 +36,7 @@ impl LimitSurface {
         let mut curves: Vec<(Vec<f64>, Vec<DVec4>)> = Vec::new();
         let mut reached = f64::NEG_INFINITY;
         for (rect, _, index) in met {
-            let (low, high) = (rect.low[along], rect.high()[along]);
+            let [low, high] = rect.ranges()[along];
             if low < reached {
                 continue; // beside a patch that is there already
             }

@@ -7,7 +7,7 @@ use crate::geometry::affine::stretch;
 use crate::geometry::construct::ControlNet;
 use crate::geometry::magnitude::{Extent, extent, is_usable};
 use crate::geometry::surface::check_invertible;
-use crate::geometry::{KnotVector, NurbsSurface, SurfaceError};
+use crate::geometry::{Direction, KnotVector, NurbsSurface, SurfaceError};
 
 /// The limit surface of a cage as polynomial Bézier patches, bicubic for Catmull–Clark, biquadratic
 /// for Doo–Sabin. Most patches are exact; those near extraordinary points, and where creases meet,
@@ -36,7 +36,8 @@ pub struct LimitSurface {
 pub struct LimitPatch {
     /// The part of the cage.
     pub rect: FaceRect,
-    /// Which sides are borders of the surface: first u, last u, first v, last v.
+    /// Which sides are borders of the surface, in the order of
+    /// [`RectSide::ALL`](crate::geometry::RectSide::ALL).
     pub border: [bool; 4],
     /// Upper bound on the distance between the patch and the limit surface at the same (u, v), in
     /// scene units (except for rounding by some ulps of the coordinates); 0 if the patch is exact.
@@ -79,13 +80,13 @@ impl FaceRect {
 
     /// The quarter at corner k.
     pub(super) fn quarter(&self, k: usize) -> Self {
-        self.half(0, k == 1 || k == 2).half(1, k >= 2)
+        self.half(Direction::U, k == 1 || k == 2).half(Direction::V, k >= 2)
     }
 
-    /// The lower or the upper half along an axis, 0 for u, 1 for v.
-    pub(super) fn half(mut self, axis: usize, upper: bool) -> Self {
-        self.size[axis] *= 0.5;
-        self.low[axis] += if upper { self.size[axis] } else { 0.0 };
+    /// The lower or the upper half along a direction.
+    pub(super) fn half(mut self, direction: Direction, upper: bool) -> Self {
+        self.size[direction] *= 0.5;
+        self.low[direction] += if upper { self.size[direction] } else { 0.0 };
         self
     }
 
@@ -111,14 +112,14 @@ impl FaceRect {
         (self.unit, place_order(self.square().low))
     }
 
-    /// Where the rectangle ends.
-    pub(super) fn high(&self) -> [f64; 2] {
-        self.unit_uv(1.0, 1.0)
-    }
-
     /// Whether the rectangle ends where its unit square does, in u and in v.
     pub(super) fn ends_unit(&self) -> [bool; 2] {
-        self.high().map(|high| high == 1.0)
+        self.ranges().map(|[_, high]| high == 1.0)
+    }
+
+    /// From and to in u, then in v.
+    pub fn ranges(&self) -> [[f64; 2]; 2] {
+        Direction::BOTH.map(|k| [self.low[k], self.low[k] + self.size[k]])
     }
 
     /// The place in the unit square that corresponds to a patch's (u, v) in [0, 1]².
@@ -218,10 +219,7 @@ impl LimitSurface {
     pub fn surface(&self, patch: usize) -> Option<Result<NurbsSurface, SurfaceError>> {
         let points = self.control(patch)?.to_vec();
         let knots = KnotVector::bezier(self.degree);
-        let knots = knots.map_err(|error| SurfaceError::Knots {
-            direction: crate::geometry::Direction::U,
-            error,
-        });
+        let knots = knots.map_err(|error| SurfaceError::Knots { direction: Direction::U, error });
         Some(knots.and_then(|knots| NurbsSurface::new(knots.clone(), knots, points, None)))
     }
 

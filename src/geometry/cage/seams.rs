@@ -12,6 +12,7 @@ use super::side::{Line, Side, SideNumber};
 use super::side_groups::Groups;
 use super::topology::Topology;
 use super::tree::MAX_LEVELS;
+use crate::geometry::{Direction, RectSide};
 
 /// The shares of the tolerance that patches may initially be from the surface. Moving patches to
 /// meet their neighbours takes them farther from it, up to half of the tolerance. The first share
@@ -100,11 +101,11 @@ fn places(surface: &LimitSurface, side: &Side) -> impl Iterator<Item = usize> + 
     let n = surface.degree;
     let (first, [start, step]) = (
         side.patch * (n + 1) * (n + 1),
-        match side.side {
-            0 => [0, 1],
-            1 => [n * (n + 1), 1],
-            2 => [0, n + 1],
-            _ => [n, n + 1],
+        match side.which {
+            RectSide::FirstU => [0, 1],
+            RectSide::LastU => [n * (n + 1), 1],
+            RectSide::FirstV => [0, n + 1],
+            RectSide::LastV => [n, n + 1],
         },
     );
     let reversed = side.reversed;
@@ -172,42 +173,46 @@ impl<'a> Layout<'a> {
 
     /// The side with a number: see [`SideNumber`].
     fn side(&self, surface: &LimitSurface, number: SideNumber) -> Side {
-        let (patch, side) = (number as usize / 4, number as usize % 4);
+        let (patch, which) = (number as usize / 4, RectSide::ALL[number as usize % 4]);
         let LimitPatch { rect, exact, .. } = surface.patches[patch];
-        let axis = side / 2;
-        let (low, high) = (rect.low, rect.high());
-        let fixed = if side % 2 == 1 { high[axis] } else { low[axis] };
-        let along = [low[1 - axis], high[1 - axis]];
-        let (line, reversed, [a, b]) = self.line(rect.unit, axis, fixed, along);
+        let (fixed, along, ranges) = (which.fixed(), which.along(), rect.ranges());
+        let value = which.value_in(&ranges);
+        let (line, reversed, [a, b]) = self.line(rect.unit, (fixed, value), ranges[along]);
         let (from, to) = if reversed { (b, a) } else { (a, b) };
         let scale = if self.units[rect.unit].1 { 1.0 } else { 0.5 };
-        let length = scale * rect.size[1 - axis];
-        let square = rect.square();
-        let between_strips = fixed != square.low[axis] && fixed != square.high()[axis];
-        let rank = if between_strips { scale * rect.size[axis] } else { length };
-        Side { line, from, to, reversed, length, rank, exact, patch, side }
+        let length = scale * rect.size[along];
+        let between_strips = !rect.square().ranges()[fixed].contains(&value);
+        let rank = if between_strips { scale * rect.size[fixed] } else { length };
+        Side { line, from, to, reversed, length, rank, exact, patch, which }
     }
 
-    /// The line `u = fixed` or `v = fixed` of a unit square, whether it runs against the other
-    /// parameter, and where two values of the other parameter lie on it.
-    fn line(&self, unit: usize, axis: usize, fixed: f64, at: [f64; 2]) -> (Line, bool, [f64; 2]) {
-        if fixed > 0.0 && fixed < 1.0 {
-            let inside = Line::Inside { unit: unit as u32, axis: axis as u8, at: fixed.to_bits() };
+    /// The line of a unit square on which a parameter has this value, whether it runs against the
+    /// other parameter, and where two values of the other parameter lie on it.
+    fn line(
+        &self,
+        unit: usize,
+        (fixed, value): (Direction, f64),
+        at: [f64; 2],
+    ) -> (Line, bool, [f64; 2]) {
+        if value > 0.0 && value < 1.0 {
+            let inside = Line::Inside { unit: unit as u32, fixed, at: value.to_bits() };
             return (inside, false, at);
         }
         let (corner, quad) = self.units[unit];
-        let first = fixed == 0.0;
+        let [first, last] = RectSide::ends_of(fixed);
+        let side = if value == 0.0 { first } else { last };
         // The half-edge, which share of it one side of the unit square is, and whether it runs
         // backwards.
-        let (half, share, backward) = match (axis, first, quad) {
-            (1, true, true) => (corner, 1.0, false),
-            (0, false, true) => (corner + 1, 1.0, false),
-            (1, false, true) => (corner + 2, 1.0, true),
-            (0, true, true) => (corner + 3, 1.0, true),
-            (1, true, false) => (corner, 0.5, false),
-            (0, true, false) => (self.topology.previous(corner), 0.5, true),
-            (0, false, false) => return (Line::Spoke(corner), false, at),
-            _ => return (Line::Spoke(self.topology.previous(corner)), false, at),
+        let previous = || self.topology.previous(corner);
+        let (half, share, backward) = match (side, quad) {
+            (RectSide::FirstV, true) => (corner, 1.0, false),
+            (RectSide::LastU, true) => (corner + 1, 1.0, false),
+            (RectSide::LastV, true) => (corner + 2, 1.0, true),
+            (RectSide::FirstU, true) => (corner + 3, 1.0, true),
+            (RectSide::FirstV, false) => (corner, 0.5, false),
+            (RectSide::FirstU, false) => (previous(), 0.5, true),
+            (RectSide::LastU, false) => return (Line::Spoke(corner), false, at),
+            (RectSide::LastV, false) => return (Line::Spoke(previous()), false, at),
         };
         let edge = self.topology.edge(half);
         let twin = self.topology.edge_corner(edge as usize) != half;
@@ -219,23 +224,19 @@ impl<'a> Layout<'a> {
     /// The points at which a side begins and ends, along its line.
     fn ends(&self, surface: &LimitSurface, side: &Side) -> [Spot; 2] {
         let rect = surface.patches[side.patch].rect;
-        let (low, high) = (rect.low, rect.high());
-        let axis = side.side / 2;
-        let end = |upper: bool| {
-            let mut at = low;
-            at[axis] = if side.side % 2 == 1 { high[axis] } else { low[axis] };
-            at[1 - axis] = if upper { high[1 - axis] } else { low[1 - axis] };
-            self.spot(rect.unit, at)
-        };
-        [end(side.reversed), end(!side.reversed)]
+        let (which, ranges) = (side.which, rect.ranges());
+        let value = which.value_in(&ranges);
+        let end = |t: f64| self.spot(rect.unit, which.fixed().pair(value, t));
+        let [low, high] = ranges[which.along()].map(end);
+        if side.reversed { [high, low] } else { [low, high] }
     }
 
     fn spot(&self, unit: usize, [x, y]: [f64; 2]) -> Spot {
         let outer = |t: f64| t == 0.0 || t == 1.0;
         let (line, _, [t, _]) = match (outer(x), outer(y)) {
             (false, false) => return Spot::Inside(unit, [x, y].map(f64::to_bits)),
-            (true, _) => self.line(unit, 0, x, [y; 2]),
-            (false, true) => self.line(unit, 1, y, [x; 2]),
+            (true, _) => self.line(unit, (Direction::U, x), [y; 2]),
+            (false, true) => self.line(unit, (Direction::V, y), [x; 2]),
         };
         let topology = self.topology;
         match line {

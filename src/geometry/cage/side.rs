@@ -1,5 +1,7 @@
 //! Sides of patches of a limit surface, on lines of the cage.
 
+use crate::geometry::{Direction, RectSide};
+
 /// A line on the cage along which patches lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Line {
@@ -8,11 +10,11 @@ pub(super) enum Line {
     /// From the middle of the edge that leaves a corner to the middle of the face.
     Spoke(u32),
     /// A line inside a unit square: the constant parameter, and the bits of its value.
-    Inside { unit: u32, axis: u8, at: u64 },
+    Inside { unit: u32, fixed: Direction, at: u64 },
 }
 
-/// The number of a side among those of all patches: four times that of the patch and, as for
-/// borders, 0 for the first u, 1 for the last u, 2 for the first v, 3 for the last v.
+/// The number of a side among those of all patches: four times that of the patch, and the place of
+/// the side in [`RectSide::ALL`].
 pub(super) type SideNumber = u32;
 
 /// A side of a patch on its line.
@@ -31,5 +33,5 @@ pub(super) struct Side {
     pub(super) exact: bool,
     pub(super) patch: usize,
     /// Which of the patch's.
-    pub(super) side: usize,
+    pub(super) which: RectSide,
 }

@@ -8,6 +8,7 @@ use super::creased::CreasedQuad;
 use super::error::LimitError;
 use super::limit_surface::{FaceRect, LimitPatch, Patches};
 use super::net::{Net, corner_turn, part};
+use crate::geometry::{Direction, RectSide};
 use crate::math::Aabb;
 
 /// How well a rectangle is known.
@@ -26,8 +27,8 @@ enum Kind {
 pub(super) enum Cut {
     /// Into four; quarter k is the one at corner k: (0, 0), (1, 0), (1, 1), (0, 1).
     Quarters,
-    /// Into two halves along an axis, 0 for u, 1 for v, the lower half first.
-    Halves(usize),
+    /// Into two halves along a direction, the lower half first.
+    Halves(Direction),
 }
 
 impl Cut {
@@ -39,11 +40,11 @@ impl Cut {
         }
     }
 
-    /// Along each axis, whether a part is the upper half; `None` where it is the whole.
+    /// Along each direction, whether a part is the upper half; `None` where it is the whole.
     fn halves(self, part: usize) -> [Option<bool>; 2] {
         match self {
             Self::Quarters => [Some(part == 1 || part == 2), Some(part >= 2)],
-            Self::Halves(axis) => [0, 1].map(|k| (k == axis).then_some(part == 1)),
+            Self::Halves(direction) => direction.pair(Some(part == 1), None),
         }
     }
 }
@@ -242,10 +243,11 @@ impl<'a> Tree<'a> {
         } else if let Kind::Open { first_part, cut, .. } = *kind {
             for &part in cut.parts() {
                 let (mut rect, mut border) = (rect, border);
-                for (axis, half) in cut.halves(part).into_iter().enumerate() {
-                    let Some(upper) = half else { continue };
-                    rect = rect.half(axis, upper);
-                    border[2 * axis + usize::from(!upper)] = false; // a cut
+                for direction in Direction::BOTH {
+                    let Some(upper) = cut.halves(part)[direction] else { continue };
+                    rect = rect.half(direction, upper);
+                    let [first, last] = RectSide::ends_of(direction);
+                    border[if upper { first } else { last }] = false; // a cut
                 }
                 self.collect(&Place { rect, border, node: first_part + part as u32 }, patches);
             }

@@ -157,7 +157,8 @@ impl Probe {
     /// The patch that covers a place, and the place within it.
     pub(super) fn patch(&self, unit: usize, at: [f64; 2]) -> Option<(usize, f64, f64)> {
         let inside = |s: &FaceRect| {
-            s.unit == unit && (0..2).all(|d| s.low[d] <= at[d] && at[d] <= s.high()[d])
+            let holds = |([low, high], at): ([f64; 2], f64)| low <= at && at <= high;
+            s.unit == unit && s.ranges().into_iter().zip(at).all(holds)
         };
         let patch = self.limit.patches().iter().position(|patch| inside(&patch.rect))?;
         let rect = self.limit.patches()[patch].rect;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec2};
 
 use super::*;
-use crate::geometry::{Charts, Surface};
+use crate::geometry::{Charts, RectSide, Surface};
 
 /// Both limit surfaces of all cages that have them.
 fn limits(tolerance: f64) -> Vec<(String, Cage, LimitSurface)> {
@@ -22,15 +22,11 @@ fn limits(tolerance: f64) -> Vec<(String, Cage, LimitSurface)> {
 }
 
 /// A point on a side of a patch, at a fraction of the side.
-fn on_side(surface: &NurbsSurface, side: usize, share: f64) -> DVec3 {
-    let [u, v] = surface.domain();
-    let at = |(from, to): (f64, f64), t: f64| from + t * (to - from);
-    match side {
-        0 => surface.point_at(u.0, at(v, share)),
-        1 => surface.point_at(u.1, at(v, share)),
-        2 => surface.point_at(at(u, share), v.0),
-        _ => surface.point_at(at(u, share), v.1),
-    }
+fn on_side(surface: &NurbsSurface, side: RectSide, share: f64) -> DVec3 {
+    let domain = surface.domain().map(|(from, to)| [from, to]);
+    let [from, to] = domain[side.along()];
+    let [u, v] = side.fixed().pair(side.value_in(&domain), from + share * (to - from));
+    surface.point_at(u, v)
 }
 
 /// The cell of a point in a grid much finer than patches and much coarser than rounding.
@@ -47,8 +43,9 @@ fn every_side_that_is_no_border_meets_others_to_rounding_all_along() {
             // Where sides are halved up to six times, their quarters are at multiples of a 256th.
             let mut points: HashMap<[i64; 3], Vec<(usize, DVec3)>> = HashMap::new();
             for (k, chart) in charts.iter().enumerate() {
-                for (side, step) in (0..4).flat_map(|side| (0..=256).map(move |s| (side, s))) {
-                    let point = on_side(&chart.surface, side, f64::from(step) / 256.0);
+                let steps = |side| (0..=256).map(move |step| (side, f64::from(step) / 256.0));
+                for (side, share) in RectSide::ALL.into_iter().flat_map(steps) {
+                    let point = on_side(&chart.surface, side, share);
                     let near = points.entry(cell(point)).or_default();
                     // The same point of two patches is enough for all.
                     let mut known = near.iter().filter(|(_, known)| *known == point);
@@ -59,7 +56,7 @@ fn every_side_that_is_no_border_meets_others_to_rounding_all_along() {
             }
             let mut borders = 0;
             for (k, chart) in charts.iter().enumerate() {
-                for side in 0..4 {
+                for side in RectSide::ALL {
                     borders += usize::from(chart.border[side]);
                     for step in 0..=4 {
                         let point = on_side(&chart.surface, side, f64::from(step) / 4.0);
@@ -74,7 +71,7 @@ fn every_side_that_is_no_border_meets_others_to_rounding_all_along() {
                             .map(|(_, other)| other.distance(point))
                             .fold(f64::INFINITY, f64::min);
                         let alone = chart.border[side];
-                        assert!(alone || met < 1e-14, "{name} patch {k} {side}: {met:e}");
+                        assert!(alone || met < 1e-14, "{name} patch {k} {side:?}: {met:e}");
                     }
                 }
             }
@@ -111,9 +108,9 @@ fn surfaces_are_their_charts() {
                     near(a.dv, b.dv, 1e-9);
                     near(a.duv, b.duv, 1e-5);
                     near(map.transform_point3(plain.point_at(uv)), a.point, 1e-13);
-                    let on_border = [(s, 0), (1.0 - s, 1), (t, 2), (1.0 - t, 3)]
-                        .into_iter()
-                        .any(|(distance, side)| distance == 0.0 && chart.border[side]);
+                    let distances = RectSide::distances(DVec2::new(s, t));
+                    let mut sides = RectSide::ALL.into_iter();
+                    let on_border = sides.any(|side| distances[side] == 0.0 && chart.border[side]);
                     assert_eq!(surface.on_border(uv), on_border, "{name} {uv}");
                 }
             }
