@@ -3,7 +3,9 @@
 use std::fmt;
 
 use glam::{DVec2, DVec3};
-use nurbray::geometry::{Chart, ChartMap, Direction, KnotVector, NurbsCurve, NurbsSurface};
+use nurbray::geometry::{
+    Chart, ChartMap, Direction, KnotVector, NurbsCurve, NurbsSurface, RectSide,
+};
 use nurbray::math::rounding::residual_factor;
 
 /// The number of intervals between the points of a border that are compared to find a pole.
@@ -12,8 +14,8 @@ const POLE_SAMPLES: usize = 16;
 /// One border of a surface's domain: one parameter is fixed, the other runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Border {
-    /// Which parameter is fixed: 0 for u, 1 for v.
-    fixed: usize,
+    /// Which parameter is fixed.
+    fixed: Direction,
     /// What it is fixed at: an end of the domain, or a knot where the surface jumps.
     at: f64,
     /// Whether the border lies just before such a knot, where the surface ends, and not at the
@@ -25,14 +27,12 @@ pub(crate) struct Border {
 }
 
 impl Border {
-    /// The borders `u = u₀`, `u = u₁`, `v = v₀`, `v = v₁`.
+    /// The borders at the sides of the domain.
     pub(crate) fn all(surface: &NurbsSurface) -> [Self; 4] {
-        let [u, v] = surface.domain();
-        [(0, u.0), (0, u.1), (1, v.0), (1, v.1)].map(|(fixed, at)| Self {
-            fixed,
-            at,
-            before: false,
-            ends: None,
+        let domain = surface.domain().map(|(start, end)| [start, end]);
+        RectSide::ALL.map(|side| {
+            let (fixed, at) = (side.fixed(), side.value_in(&domain));
+            Self { fixed, at, before: false, ends: None }
         })
     }
 
@@ -52,8 +52,8 @@ impl Border {
     /// surface may jump there.
     pub(crate) fn inner(chart: &Chart<'_>) -> Vec<Self> {
         let mut inner = Vec::new();
-        for (fixed, knots) in [chart.surface.knots_u(), chart.surface.knots_v()].iter().enumerate()
-        {
+        for fixed in Direction::BOTH {
+            let knots = chart.surface.knots(fixed);
             let starts = knots.spans().skip(1).map(|span| span.start);
             for at in starts.filter(|&at| knots.multiplicity(at) > knots.degree()) {
                 inner.extend([true, false].map(|before| Self { fixed, at, before, ends: None }));
@@ -71,32 +71,34 @@ impl Border {
     pub(crate) fn kept(&self, chart: &Chart<'_>) -> Vec<[f64; 2]> {
         let (start, end) = self.knots(&chart.surface).domain();
         let Some(trims) = &chart.trims else { return vec![[start, end]] };
-        let ((u, v), direction) = (self.uv(start), [Direction::U, Direction::V][self.fixed]);
-        trims.kept_along(direction, [u, v][self.fixed])
+        trims.kept_along(self.fixed, self.value())
+    }
+
+    /// The fixed parameter.
+    fn value(&self) -> f64 {
+        if self.before { self.at.next_down() } else { self.at }
     }
 
     /// The surface parameters where the running one is `t`.
     pub(crate) fn uv(&self, t: f64) -> (f64, f64) {
-        let at = if self.before { self.at.next_down() } else { self.at };
-        if self.fixed == 0 { (at, t) } else { (t, at) }
+        self.fixed.pair(self.value(), t).into()
     }
 
     /// The vector in (u, v) along the border that has the surface on its left: up along the last
     /// u, and so around the domain.
     pub(crate) fn around(&self, surface: &NurbsSurface) -> DVec2 {
-        let across = if self.fixed == 0 { surface.knots_u() } else { surface.knots_v() };
-        let is_last = self.before || self.at == across.domain().1;
+        let is_last = self.before || self.at == surface.knots(self.fixed).domain().1;
         match (self.fixed, is_last) {
-            (0, true) => DVec2::Y,
-            (0, false) => DVec2::NEG_Y,
-            (_, true) => DVec2::NEG_X,
-            (_, false) => DVec2::X,
+            (Direction::U, true) => DVec2::Y,
+            (Direction::U, false) => DVec2::NEG_Y,
+            (Direction::V, true) => DVec2::NEG_X,
+            (Direction::V, false) => DVec2::X,
         }
     }
 
     /// The knots of the parameter that runs.
     pub(crate) fn knots<'a>(&self, surface: &'a NurbsSurface) -> &'a KnotVector {
-        if self.fixed == 0 { surface.knots_v() } else { surface.knots_u() }
+        surface.knots(self.fixed.other())
     }
 
     /// The point where the running parameter is `t`.
@@ -109,25 +111,24 @@ impl Border {
     pub(crate) fn tangent(&self, surface: &NurbsSurface, t: f64) -> (DVec3, DVec3) {
         let (u, v) = self.uv(t);
         let at = surface.derivatives(u, v);
-        (at.point, if self.fixed == 0 { at.dv } else { at.du })
+        (at.point, [at.du, at.dv][self.fixed.other()])
     }
 
     /// The border as a curve of its own, where it runs along a row of control points: at a clamped
     /// end of the domain.
     pub(crate) fn curve(&self, surface: &NurbsSurface) -> Option<NurbsCurve> {
-        let across = if self.fixed == 0 { surface.knots_u() } else { surface.knots_v() };
+        let across = surface.knots(self.fixed);
         let (start, end) = across.domain();
         if self.before || !across.is_clamped() || (self.at != start && self.at != end) {
             return None;
         }
-        let (rows, columns) = surface.size();
-        let at = |count: usize| if self.at == start { 0 } else { count - 1 };
-        let (first, step, count) = match self.fixed {
-            0 => (at(rows) * columns, 1, columns),
-            _ => (at(columns), columns, rows),
-        };
-        let points = surface.control()[first..].iter().step_by(step).take(count);
-        NurbsCurve::from_homogeneous(self.knots(surface).clone(), points.copied().collect()).ok()
+        let along = self.knots(surface);
+        let row = if self.at == start { 0 } else { across.point_count() - 1 };
+        let points = (0..along.point_count()).map(|k| {
+            let [i, j] = self.fixed.pair(row, k);
+            surface.control()[i * surface.knots_v().point_count() + j]
+        });
+        NurbsCurve::from_homogeneous(along.clone(), points.collect()).ok()
     }
 
     /// The point that the border is collapsed to, if all its points agree to within rounding.
@@ -146,7 +147,7 @@ impl fmt::Display for Border {
         match self.ends {
             None => {
                 let before = if self.before { "just before " } else { "" };
-                write!(f, "{before}{} = {}", if self.fixed == 0 { 'u' } else { 'v' }, self.at)
+                write!(f, "{before}{} = {}", self.fixed, self.at)
             }
             Some([a, b]) if a.x == b.x => {
                 write!(f, "u = {}, v {}..{}", a.x, a.y.min(b.y), a.y.max(b.y))

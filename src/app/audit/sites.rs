@@ -1,7 +1,7 @@
 //! Places on surfaces that are hard for rays: borders, knot lines, corners, poles.
 
 use glam::{DVec2, DVec3};
-use nurbray::geometry::{Chart, Charts, Surface, SurfaceDerivatives};
+use nurbray::geometry::{Chart, Charts, Direction, Surface, SurfaceDerivatives};
 
 use super::super::border::Border;
 use super::super::random::Random;
@@ -109,8 +109,8 @@ impl<'a> Sites<'a> {
     /// A random point of any surface; all charts, and all spans of a chart, are equally likely.
     pub(crate) fn anywhere(&self, random: &mut Random) -> Site {
         let chart = self.chart(random);
-        let u = self.within_span(random, chart, 0);
-        let v = self.within_span(random, chart, 1);
+        let u = self.within_span(random, chart, Direction::U);
+        let v = self.within_span(random, chart, Direction::V);
         self.site(chart, u, v)
     }
 
@@ -146,12 +146,12 @@ impl<'a> Sites<'a> {
     pub(crate) fn on_line(&self, random: &mut Random) -> Site {
         let chart = self.chart(random);
         if random.coin() {
-            let u = self.on_division(random, chart, 0);
-            let v = self.within_span(random, chart, 1);
+            let u = self.on_division(random, chart, Direction::U);
+            let v = self.within_span(random, chart, Direction::V);
             self.site(chart, u, v)
         } else {
-            let v = self.on_division(random, chart, 1);
-            let u = self.within_span(random, chart, 0);
+            let v = self.on_division(random, chart, Direction::V);
+            let u = self.within_span(random, chart, Direction::U);
             self.site(chart, u, v)
         }
     }
@@ -159,8 +159,8 @@ impl<'a> Sites<'a> {
     /// A point where two such lines cross.
     pub(crate) fn on_corner(&self, random: &mut Random) -> Site {
         let chart = self.chart(random);
-        let u = self.on_division(random, chart, 0);
-        let v = self.on_division(random, chart, 1);
+        let u = self.on_division(random, chart, Direction::U);
+        let v = self.on_division(random, chart, Direction::V);
         self.site(chart, u, v)
     }
 
@@ -174,14 +174,15 @@ impl<'a> Sites<'a> {
     /// if the surface is ruled there.
     pub(crate) fn on_one_line(&self, random: &mut Random) -> [Site; 2] {
         let chart = self.chart(random);
-        let [u, v] = [0, 1].map(|direction| self.within_span(random, chart, direction));
-        let direction = random.below(2);
-        let t = [u, v][direction];
-        let spans = &self.spans[chart][direction];
+        let uv = Direction::BOTH.map(|direction| self.within_span(random, chart, direction));
+        let along = Direction::BOTH[random.below(2)];
+        let t = uv[along];
+        let spans = &self.spans[chart][along];
         let span = spans.iter().find(|span| span.0 <= t && t < span.1).unwrap_or(&spans[0]);
         let other = random.between(span.0, span.1);
-        let other = if direction == 0 { (other, v) } else { (u, other) };
-        [self.site(chart, u, v), self.site(chart, other.0, other.1)]
+        let mut beside = uv;
+        beside[along] = other;
+        [uv, beside].map(|[u, v]| self.site(chart, u, v))
     }
 
     fn chart(&self, random: &mut Random) -> usize {
@@ -194,12 +195,12 @@ impl<'a> Sites<'a> {
         Site { surface: *surface, uv: chart.uv(DVec2::new(u, v)) }
     }
 
-    fn within_span(&self, random: &mut Random, chart: usize, direction: usize) -> f64 {
+    fn within_span(&self, random: &mut Random, chart: usize, direction: Direction) -> f64 {
         within(random, &self.spans[chart][direction])
     }
 
     /// A knot, or a division point of a span that is halved up to `HALVINGS` times.
-    fn on_division(&self, random: &mut Random, chart: usize, direction: usize) -> f64 {
+    fn on_division(&self, random: &mut Random, chart: usize, direction: Direction) -> f64 {
         let spans = &self.spans[chart][direction];
         let (start, end) = spans[random.below(spans.len())];
         let parts = f64::powi(2.0, random.below(HALVINGS + 1) as i32);

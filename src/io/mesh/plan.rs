@@ -63,19 +63,19 @@ impl Plan {
     pub(super) fn estimate(&mut self, distance: f64) {
         let measured = self.measure().along;
         let old = self.counts.clone();
-        let needed = |direction: usize, allowed: f64| -> Vec<usize> {
+        let needed = |direction: Direction, allowed: f64| -> Vec<usize> {
             let spans = measured[direction].iter().zip(&old[direction]);
             spans.map(|(&deviation, &count)| scaled(count, deviation / allowed)).collect()
         };
-        let left = |direction: usize, counts: &[usize]| -> f64 {
+        let left = |direction: Direction, counts: &[usize]| -> f64 {
             let spans = measured[direction].iter().zip(&old[direction]).zip(counts);
             let used = spans
                 .map(|((&deviation, &old), &new)| deviation * (old as f64 / new as f64).powi(2));
             (distance - used.fold(0.0, f64::max)).max(0.5 * distance)
         };
-        let first_v = needed(1, 0.5 * distance);
-        self.counts[0] = needed(0, left(1, &first_v));
-        self.counts[1] = needed(1, left(0, &self.counts[0]));
+        let first_v = needed(Direction::V, 0.5 * distance);
+        self.counts[0] = needed(Direction::U, left(Direction::V, &first_v));
+        self.counts[1] = needed(Direction::V, left(Direction::U, &self.counts[0]));
     }
 
     /// Raises the counts where the deviation exceeds `distance`; returns whether it did
@@ -89,8 +89,8 @@ impl Plan {
                 continue;
             }
             let place = [at / columns, at % columns];
-            let causes = [0, 1].map(|d| measured.along[d][place[d]] > SHARE * total);
-            for direction in 0..2 {
+            let causes = Direction::BOTH.map(|d| measured.along[d][place[d]] > SHARE * total);
+            for direction in Direction::BOTH {
                 if causes[direction] || causes == [false; 2] {
                     let grown = &mut growth[direction][place[direction]];
                     *grown = grown.max(total / distance);
@@ -124,7 +124,7 @@ impl Plan {
             let (rows, columns) = (most(&self.counts[0]), most(&self.counts[1]));
             return Err(MeshError::GridSides { rows, columns });
         }
-        let [us, vs] = [0, 1].map(|direction| self.parameters(direction));
+        let [us, vs] = Direction::BOTH.map(|direction| self.parameters(direction));
         let vertices = self.piece.lattice(&us, &vs);
         let cutter = match &self.piece.trims {
             None => None,
@@ -153,7 +153,7 @@ impl Plan {
     }
 
     /// All parameters of vertices in one direction.
-    fn parameters(&self, direction: usize) -> Vec<f64> {
+    fn parameters(&self, direction: Direction) -> Vec<f64> {
         let mut parameters = Vec::new();
         for (span, &count) in self.spans[direction].iter().zip(&self.counts[direction]) {
             parameters.extend((0..count).map(|k| at(span, k as f64 / count as f64)));
@@ -184,7 +184,7 @@ impl Plan {
     /// The smallest and largest coordinates of the vertices that are kept, and of the ends of
     /// trim edges.
     pub(super) fn bounds(&self) -> (DVec3, DVec3) {
-        let [us, vs] = [0, 1].map(|direction| self.parameters(direction));
+        let [us, vs] = Direction::BOTH.map(|direction| self.parameters(direction));
         let mut vertices = self.piece.lattice(&us, &vs);
         if let Some(trims) = &self.piece.trims {
             vertices.retain(|vertex| trims.contains(vertex.uv) != Side::Outside);
@@ -200,15 +200,15 @@ impl Plan {
 
     /// How far the surface lies from its triangles, as sampled.
     pub(super) fn measure(&self) -> Deviations {
-        let [rows, columns] = [0, 1].map(|direction| self.spans[direction].len());
+        let [rows, columns] = self.spans.each_ref().map(Vec::len);
         let share = SAMPLE_BUDGET / (FRACTIONS.len().pow(2) * rows * columns);
         let probes = (share.isqrt() | 1).clamp(MIN_PROBES, MAX_PROBES);
         let mut found = Deviations {
             along: [vec![0.0; rows], vec![0.0; columns]],
             total: vec![0.0; rows * columns],
         };
-        let cells_v = self.cells(1, probes);
-        for cell_u in self.cells(0, probes) {
+        let cells_v = self.cells(Direction::V, probes);
+        for cell_u in self.cells(Direction::U, probes) {
             let sampled = cell_u.basis.each_ref().map(|basis| self.piece.row(basis));
             for cell_v in &cells_v {
                 let cell = Cell::new(&self.piece, [&cell_u, cell_v], &sampled);
@@ -224,8 +224,8 @@ impl Plan {
     }
 
     /// Cells to measure along one direction, at most `probes` a span.
-    fn cells(&self, direction: usize, probes: usize) -> Vec<CellSide> {
-        let knots = self.piece.knots([Direction::U, Direction::V][direction]);
+    fn cells(&self, direction: Direction, probes: usize) -> Vec<CellSide> {
+        let knots = self.piece.knots(direction);
         let (start, end) = knots.domain();
         let mut sides = Vec::new();
         for (number, span) in self.spans[direction].iter().enumerate() {
