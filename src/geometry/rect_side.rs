@@ -85,6 +85,12 @@ impl RectSide {
         self.place(st[self.along()])
     }
 
+    /// Which control point `(i, j)` of a Bézier net is the `k`-th along this side.
+    #[inline(always)]
+    pub fn control_point(self, degree: [usize; 2], k: usize) -> [usize; 2] {
+        self.fixed().pair(self.end() * degree[self.fixed()], k)
+    }
+
     /// How far a place of the unit square is from each side.
     #[inline(always)]
     pub fn distances(st: DVec2) -> [f64; 4] {

@@ -98,18 +98,12 @@ pub(super) fn close(surface: &mut LimitSurface, mesh: &Mesh) {
 
 /// The indices in the net of the control points of a side, along its line.
 fn places(surface: &LimitSurface, side: &Side) -> impl Iterator<Item = usize> + use<> {
-    let n = surface.degree;
-    let (first, [start, step]) = (
-        side.patch * (n + 1) * (n + 1),
-        match side.which {
-            RectSide::FirstU => [0, 1],
-            RectSide::LastU => [n * (n + 1), 1],
-            RectSide::FirstV => [0, n + 1],
-            RectSide::LastV => [n, n + 1],
-        },
-    );
-    let reversed = side.reversed;
-    (0..=n).map(move |k| first + start + step * if reversed { n - k } else { k })
+    let (n, Side { which, reversed, .. }) = (surface.degree, *side);
+    let first = side.patch * (n + 1) * (n + 1);
+    (0..=n).map(move |k| {
+        let [i, j] = which.control_point([n; 2], if reversed { n - k } else { k });
+        first + i * (n + 1) + j
+    })
 }
 
 /// The control points of a side along its line, `degree + 1` of them.

@@ -18,11 +18,10 @@ impl NurbsSurface {
     /// or to within `16 (p + q + 4) u` of the largest coordinate.
     pub fn closes(&self, direction: Direction) -> bool {
         let clamped = self.clamped();
-        let (nu, nv) = clamped.size();
-        let pairs: Vec<[(usize, usize); 2]> = match direction {
-            Direction::U => (0..nv).map(|j| [(0, j), (nu - 1, j)]).collect(),
-            Direction::V => (0..nu).map(|i| [(i, 0), (i, nv - 1)]).collect(),
-        };
+        let last = clamped.knots(direction).point_count() - 1;
+        let along = 0..clamped.knots(direction.other()).point_count();
+        let pairs: Vec<[(usize, usize); 2]> =
+            along.map(|k| [0, last].map(|end| direction.pair(end, k).into())).collect();
         let [p, q] = [clamped.knots_u().degree(), clamped.knots_v().degree()];
         let rounded = ROUNDED * crate::math::rounding::residual_factor(p, q);
         let point = |(i, j)| clamped.point(i, j);

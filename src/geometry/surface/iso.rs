@@ -12,41 +12,25 @@ impl NurbsSurface {
     /// # Errors
     /// When `t` is off the domain.
     pub fn curve_at(&self, fixed: Direction, t: f64) -> Result<NurbsCurve, SurfaceError> {
-        let (nu, nv) = self.size();
-        let control = match fixed {
-            Direction::U => {
-                let line = |j: usize| (0..nu).map(move |i| self.homogeneous(i, j));
-                self.row_at(fixed, t, (0..nv).map(line))
-            }
-            Direction::V => {
-                let line = |i: usize| (0..nv).map(move |j| self.homogeneous(i, j));
-                self.row_at(fixed, t, (0..nu).map(line))
-            }
-        }?;
-        Ok(NurbsCurve::assembled(self.knots(fixed.other()).clone(), control))
-    }
-
-    /// The row of control points at `t`, from lines of them along a direction: convex combinations,
-    /// so that weights stay positive.
-    fn row_at<L: Iterator<Item = DVec4>>(
-        &self,
-        direction: Direction,
-        t: f64,
-        lines: impl Iterator<Item = L>,
-    ) -> Result<Vec<DVec4>, SurfaceError> {
-        let knots = self.knots(direction);
-        let (start, end) = knots.domain();
+        let (across, along) = (self.knots(fixed), self.knots(fixed.other()));
+        let (start, end) = across.domain();
         let within = start <= t && t <= end; // false for NaN
         if !within {
-            return Err(SurfaceError::Parameter { direction, t, start, end });
+            return Err(SurfaceError::Parameter { direction: fixed, t, start, end });
         }
         let mut values: BasisValues = [0.0; MAX_DEGREE + 1];
-        let p = knots.degree();
-        let first = knots.basis(t, &mut values) - p;
-        let point = |line: L| {
-            line.skip(first).zip(&values[..=p]).map(|(point, value)| *value * point).sum::<DVec4>()
+        let p = across.degree();
+        let first = across.basis(t, &mut values) - p;
+        // Convex combinations, so that weights stay positive.
+        let point = |k: usize| {
+            let term = |(row, value): (usize, &f64)| {
+                let [i, j] = fixed.pair(row, k);
+                *value * self.homogeneous(i, j)
+            };
+            (first..).zip(&values[..=p]).map(term).sum::<DVec4>()
         };
-        Ok(lines.map(point).collect())
+        let control = (0..along.point_count()).map(point).collect();
+        Ok(NurbsCurve::assembled(along.clone(), control))
     }
 }
 

@@ -76,7 +76,7 @@ pub(super) fn stands_still(spot: &Spot<'_>, error: f64) -> bool {
     Direction::BOTH.into_iter().any(|fixed| {
         let side = RectSide::ends_of(fixed)[corner[fixed] as usize];
         let at = |k: usize| {
-            let [i, j] = fixed.pair(side.end() * degree[fixed], k);
+            let [i, j] = side.control_point(degree, k);
             let control = piece.patch.control_point(i, j);
             control.truncate() / control.w
         };

@@ -17,8 +17,8 @@ pub(in crate::patch) fn mark(pieces: &mut [Piece], grid: &Grid) {
     for side in RectSide::ALL {
         // Sides of constant `s` follow each other from column to column, the others from row to
         // row.
-        let fixed = side.fixed();
-        let (lines, length) = ([rows, columns][fixed], [rows, columns][fixed.other()]);
+        let (fixed, size) = (side.fixed(), [rows, columns]);
+        let (lines, length) = (size[fixed], size[side.along()]);
         for line in 0..lines {
             let place = |k: usize| {
                 let [row, column] = fixed.pair(line, k);

@@ -194,8 +194,7 @@ impl Piece {
         if !self.is_collapsed(side) {
             return None;
         }
-        let [p, q] = self.patch.degree();
-        let (i, j) = [(0, 0), (p, 0), (0, 0), (0, q)][side];
+        let [i, j] = side.control_point(self.patch.degree(), 0);
         Some(euclidean(self.patch.control_point(i, j)))
     }
 
@@ -354,25 +353,20 @@ fn inward(place: DVec2) -> DVec2 {
 /// The sides of a piece that are collapsed to a point, a bit each: all their control points
 /// agree with the first to a few roundings of their size.
 fn collapsed_sides(patch: &TensorPatch, points: &[DVec3]) -> u8 {
-    let [p, q] = patch.degree();
-    let at = |i: usize, j: usize| points[i * (q + 1) + j];
+    let degree = patch.degree();
     let tolerance = 4.0 * patch.noise();
-    let is_point = |(di, dj): (usize, usize), (i, j): (usize, usize), degree: usize| {
+    let is_point = |side: RectSide| {
+        let at = |k: usize| {
+            let [i, j] = side.control_point(degree, k);
+            points[i * (degree[1] + 1) + j]
+        };
         // From the far end: sides that are not collapsed are ruled out at once.
-        (1..=degree).rev().all(|k| {
-            let distance = at(i + k * di, j + k * dj) - at(i, j);
-            distance.abs().max_element() <= tolerance
-        })
+        let mut others = (1..=degree[side.along()]).rev();
+        others.all(|k| (at(k) - at(0)).abs().max_element() <= tolerance)
     };
-    let (along_s, along_t) = ((1, 0), (0, 1));
-    let collapsed = [
-        is_point(along_t, (0, 0), q),
-        is_point(along_t, (p, 0), q),
-        is_point(along_s, (0, 0), p),
-        is_point(along_s, (0, q), p),
-    ];
+    let collapsed = sides(is_point);
     // A piece that is a point all over has no sides to speak of.
-    sides(|side| collapsed != [true; 4] && collapsed[side])
+    if collapsed == 0b1111 { 0 } else { collapsed }
 }
 
 /// The sides for which something holds, a bit each.
