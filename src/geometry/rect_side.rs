@@ -103,15 +103,11 @@ impl RectSide {
         self.value_in(rect) == self.value()
     }
 
-    /// A rectangle made to end at this side of the unit square.
+    /// A rectangle, which may reach beyond the unit square, made to end at this side of it.
     #[inline(always)]
-    pub fn ended_at_it(self, [s, t]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
-        match self {
-            Self::FirstU => [[0.0, s[1]], t],
-            Self::LastU => [[s[0], 1.0], t],
-            Self::FirstV => [s, [0.0, t[1]]],
-            Self::LastV => [s, [t[0], 1.0]],
-        }
+    pub fn ended_at_it(self, mut rect: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+        rect[self.fixed()][self.end()] = self.value();
+        rect
     }
 }
 
@@ -154,5 +150,9 @@ mod tests {
             assert!(side.is_reached_by(&rect));
             assert_eq!((side.value_in(&rect), rect[side.along()]), (side.value(), [0.25, 0.5]));
         }
+        assert_eq!(RectSide::FirstU.control_point([2, 3], 1), [0, 1]);
+        assert_eq!(RectSide::LastU.control_point([2, 3], 1), [2, 1]);
+        assert_eq!(RectSide::FirstV.control_point([2, 3], 1), [1, 0]);
+        assert_eq!(RectSide::LastV.control_point([2, 3], 1), [1, 3]);
     }
 }

@@ -1,6 +1,6 @@
 //! Numbers in one, two or four bytes.
 
-use crate::math::rounding;
+use super::rounding;
 
 /// A number not below zero, rounded up: the upper half of an f32. It is larger by less than 1 %.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! The proof that a ray meets a leaf at most once.
 
-pub(super) mod tangent_pairs;
-pub(super) mod tangents;
+mod tangent_pairs;
+mod tangents;
 
 use std::ops::{Add, Mul};
 

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use smallvec::SmallVec;
 
 use super::parts::part::{Cut, PartNet};
-use super::pieces::chart_grid::Grid;
+use super::pieces::chart_grid::ChartGrid;
 use super::{DyadicRect, GroupedParts, Leaf, OrientedBox, Part, Piece};
 use crate::math::Aabb;
 
@@ -51,8 +51,8 @@ const MOST_OF_SCENE: usize = SCENE_BYTES / BYTES_A_LEAF;
 ///
 /// Charts of more than [`MOST`] pieces get the coarsest parts. Neighbours are kept together where
 /// there are so many pieces.
-pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
-    let (dense, others): (Vec<Grid>, Vec<Grid>) =
+pub(super) fn parts(pieces: &[Piece], grids: &[ChartGrid]) -> GroupedParts {
+    let (dense, others): (Vec<ChartGrid>, Vec<ChartGrid>) =
         grids.iter().partition(|grid| grid.count() > MOST);
     let mut parts = coarse(pieces, &dense);
     let fine = halved(pieces, &others, parts.bounds());
@@ -68,12 +68,12 @@ pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
     parts
 }
 
-fn pieces_of(grids: &[Grid]) -> usize {
-    grids.iter().map(Grid::count).sum()
+fn pieces_of(grids: &[ChartGrid]) -> usize {
+    grids.iter().map(ChartGrid::count).sum()
 }
 
 /// The coarsest parts of all pieces of some charts. Control points are needed only for a moment.
-pub(super) fn coarse(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
+pub(super) fn coarse(pieces: &[Piece], grids: &[ChartGrid]) -> GroupedParts {
     GroupedParts::of(pieces, grids, |k, parts| {
         let piece = &pieces[k];
         PartNet::whole(piece).coarse_parts(piece, &mut |part_net| {
@@ -87,7 +87,7 @@ pub(super) fn coarse(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
 /// All parts are as flat as a leaf must be. Then the part for which halving is worth most is
 /// halved, again and again, as long as there is room. Halves that are not flat enough by themselves
 /// may take a little more.
-fn halved(pieces: &[Piece], grids: &[Grid], bounds: Aabb) -> Vec<Part> {
+fn halved(pieces: &[Piece], grids: &[ChartGrid], bounds: Aabb) -> Vec<Part> {
     let charts = || grids.par_iter().flat_map(|grid| grid.pieces());
     let flats = |k: usize| flats_of(k, &pieces[k]);
     // The parts that stay as they are, and those that may be halved.
@@ -238,7 +238,7 @@ mod tests {
 
     use super::{MOST, MOST_OF_SCENE, coarse};
     use crate::geometry::{KnotVector, NurbsSurface};
-    use crate::patch::pieces::chart_grid::Grid;
+    use crate::patch::pieces::chart_grid::ChartGrid;
     use crate::patch::{GroupedParts, Part, PatchSet};
 
     /// A wavy biquadratic sheet of this many pieces each way, on a square with sides of 1.
@@ -283,7 +283,7 @@ mod tests {
             parts.all().iter().filter(is_there).count()
         };
         assert!(count(&parts, 0) < 2 * side * side);
-        let bent = Grid { first: set.pieces_of(2).start, rows: 4, columns: 4 };
+        let bent = ChartGrid { first: set.pieces_of(2).start, rows: 4, columns: 4 };
         let [fine, coarse] = [count(&parts, 2), count(&coarse(set.pieces(), &[bent]), 2)];
         assert!(fine > 2 * coarse, "{fine} leaves, of the coarsest {coarse}");
     }

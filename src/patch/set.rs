@@ -11,7 +11,7 @@ use thiserror::Error;
 
 use super::leaves::parts;
 use super::pieces::apexes;
-use super::pieces::chart_grid::Grid;
+use super::pieces::chart_grid::ChartGrid;
 use super::pieces::chart_net::ChartNet;
 use super::pieces::keeping::{Keeping, piece_count};
 use super::{GroupedParts, Piece};
@@ -127,7 +127,7 @@ impl PatchSet {
         let mut grids = Vec::new();
         for (surface, (net, [rows, columns])) in charts {
             let net = Arc::new(net);
-            grids.push(Grid { first: pieces.len(), rows: rows.len(), columns: columns.len() });
+            grids.push(ChartGrid { first: pieces.len(), rows: rows.len(), columns: columns.len() });
             let indices = (0..rows.len() * columns.len()).into_par_iter();
             pieces.par_extend(indices.map(|k| {
                 let first = [rows[k / columns.len()], columns[k % columns.len()]];

@@ -120,6 +120,7 @@ impl NurbsSurface {
         self.split(Direction::V, t)
     }
 
+    /// The parts before and after a parameter: see [`split_u`](Self::split_u).
     pub(crate) fn split(&self, direction: Direction, t: f64) -> Result<(Self, Self), SurfaceError> {
         let (start, end) = self.knots(direction).domain();
         let inside = start < t && t < end; // false for NaN

@@ -39,7 +39,7 @@ const MOST_REACHES: f64 = 64.0;
 /// The number of contacts at which they are checked for the first time, before all are found.
 const FIRST_LOOK: usize = 64;
 
-/// Fails if a loop crosses itself or another.
+/// Fails if a loop crosses itself, its copy a period away, or another.
 ///
 /// Around a crossing of two strands of one loop, the winding number takes three values: `k` left of
 /// neither strand, `k + 1`, and `k + 2` left of both. So the smaller of the two values beside a

@@ -119,7 +119,8 @@ pub enum TrimLoopError {
     Empty,
     /// A curve does not begin where the one before it ends.
     #[error(
-        "the loop is open: curve {curve} ends at {}, but curve {next} begins at {}, {} away; gaps up to {} are closed",
+        "the loop is open: curve {curve} ends at {}, but curve {next} begins at {}, {} away; \
+         gaps up to {} are closed",
         told_apart([*.end, *.end + *.gap])[0], told_apart([*.end, *.end + *.gap])[1],
         measured(*.gap), measured(*.tolerance)
     )]

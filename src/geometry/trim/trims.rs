@@ -121,9 +121,9 @@ impl Trims {
     ///
     /// # Errors
     /// When there is no loop; when a loop encloses nothing, is run through twice, has a dangling
-    /// edge or lies outside the domain; when loops cross themselves or each other; when two loops
-    /// are the same; or when they span too many periods or need too
-    /// many segments. Loops are counted from 0.
+    /// edge or lies outside the domain; when loops cross themselves, their copies a period away, or
+    /// each other; when two loops are the same; or when they span too many periods or need too many
+    /// segments. Loops are counted from 0.
     pub fn new(domain: TrimDomain, kept: Kept, loops: &[TrimLoop]) -> Result<Self, TrimError> {
         let loops: Vec<TrimLoop> =
             loops.iter().map(|one| one.straight_along_seams(&domain)).collect();

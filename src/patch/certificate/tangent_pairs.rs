@@ -20,8 +20,8 @@ const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
 ///
 /// `ā × b̄ = ½ Σ_ij λ_i λ_j N_ij`, `N_ij = a_i × b_j + a_j × b_i`.
 ///
-/// In the frame of [`Certificate`](crate::patch::Certificate), with `a_i = α₁ a₀ + α₂ b₀ + α₃ n` and `b_j`
-/// likewise,
+/// In the frame of [`Certificate`](crate::patch::Certificate), with `a_i = α₁ a₀ + α₂ b₀ + α₃ n`
+/// and `b_j` likewise,
 ///
 /// `N_ij = m (a₀ × b₀) + g (a₀ × n) + h (b₀ × n)`,
 ///

@@ -3,6 +3,6 @@
 //! A `part` is a rectangle of a piece; its `bend` says whether it must be halved, and what that is
 //! worth. `tiles` keep the parts of neighbouring pieces together.
 
-pub(super) mod bend;
+mod bend;
 pub(super) mod part;
 pub(super) mod tiles;

@@ -12,7 +12,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::math::Aabb;
-use crate::patch::pieces::chart_grid::Grid;
+use crate::patch::pieces::chart_grid::ChartGrid;
 use crate::patch::{Part, Piece};
 
 /// The parts of pieces that become leaves, and which of them are kept together: consecutive groups
@@ -29,7 +29,7 @@ const _: () = assert!(MOST_TOGETHER.is_power_of_two());
 
 /// A few rows and columns of a grid.
 struct Tile {
-    grid: Grid,
+    grid: ChartGrid,
     rows: Range<usize>,
     columns: Range<usize>,
 }
@@ -60,7 +60,7 @@ impl GroupedParts {
     /// number of threads. `add_parts` adds those of one piece.
     pub(in crate::patch) fn of(
         pieces: &[Piece],
-        grids: &[Grid],
+        grids: &[ChartGrid],
         add_parts: impl Fn(usize, &mut Vec<Part>) + Sync,
     ) -> Self {
         let tiles: Vec<Tile> = grids.iter().flat_map(|grid| grid.tiles(pieces)).collect();
@@ -105,7 +105,7 @@ impl GroupedParts {
     }
 }
 
-impl Grid {
+impl ChartGrid {
     /// Tiles of [`MOST_TOGETHER`] pieces, fewer at the ends, about as long as they are wide.
     /// Squares of that many rows and columns are each cut into tiles of one shape, chosen by the
     /// sides of their own pieces.
@@ -132,7 +132,7 @@ impl Tile {
 
     /// The indices of the pieces among all, row by row.
     fn pieces(&self) -> impl Iterator<Item = usize> {
-        let Grid { first, columns, .. } = self.grid;
+        let ChartGrid { first, columns, .. } = self.grid;
         let row = move |row: usize| self.columns.clone().map(move |k| first + row * columns + k);
         self.rows.clone().flat_map(row)
     }
@@ -181,7 +181,7 @@ mod tests {
 
     fn rows(pieces: [usize; 2], sides: [f64; 2]) -> usize {
         let set = sheet(pieces, sides);
-        let grid = Grid { first: 0, rows: pieces[0], columns: pieces[1] };
+        let grid = ChartGrid { first: 0, rows: pieces[0], columns: pieces[1] };
         let tile = grid.tiles(set.pieces()).next().unwrap();
         assert_eq!(tile.rows.len() * tile.columns.len(), MOST_TOGETHER);
         tile.rows.len()
@@ -197,7 +197,7 @@ mod tests {
 
     #[test]
     fn every_piece_is_in_one_tile() {
-        let grid = Grid { first: 5, rows: 9, columns: 23 };
+        let grid = ChartGrid { first: 5, rows: 9, columns: 23 };
         let set = sheet([20, 12], [3.0, 1.0]); // there is a piece wherever tiles look
         let mut seen = Vec::new();
         for tile in grid.tiles(set.pieces()) {
@@ -211,7 +211,7 @@ mod tests {
     #[test]
     fn groups_are_of_all_parts() {
         let set = sheet([61, 79], [1.0, 1.0]);
-        let grid = Grid { first: 0, rows: 61, columns: 79 };
+        let grid = ChartGrid { first: 0, rows: 61, columns: 79 };
         let GroupedParts { parts, groups } = coarse(set.pieces(), &[grid]);
         assert_eq!(groups.iter().sum::<u32>() as usize, parts.len());
         assert_eq!(groups.len(), 61usize.div_ceil(4) * 79usize.div_ceil(4));
@@ -223,7 +223,7 @@ mod tests {
     #[test]
     fn tiles_of_many_parts_are_not_kept_together() {
         let set = bent(4);
-        let grid = Grid { first: 0, rows: 4, columns: 4 };
+        let grid = ChartGrid { first: 0, rows: 4, columns: 4 };
         let many = coarse(set.pieces(), &[grid]);
         assert!(many.all().len() > MOST_TOGETHER);
         assert!(many.groups().iter().all(|&count| count == 1));

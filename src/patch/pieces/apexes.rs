@@ -6,14 +6,14 @@
 
 use glam::DVec3;
 
-use super::chart_grid::Grid;
+use super::chart_grid::ChartGrid;
 use super::piece::HALF_THE_DIGITS;
 use crate::geometry::RectSide;
 use crate::patch::Piece;
 
 /// Finds the apexes of a chart's pieces, judging by a few normals along each collapsed side.
-pub(in crate::patch) fn mark(pieces: &mut [Piece], grid: &Grid) {
-    let Grid { first, rows, columns } = *grid;
+pub(in crate::patch) fn mark(pieces: &mut [Piece], grid: &ChartGrid) {
+    let ChartGrid { first, rows, columns } = *grid;
     for side in RectSide::ALL {
         // Sides of constant `s` follow each other from column to column, the others from row to
         // row.

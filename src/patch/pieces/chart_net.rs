@@ -21,8 +21,8 @@ use crate::patch::{BezierNet, NetSource, PieceNet, SplineNet};
 #[derive(Debug)]
 pub(in crate::patch) struct ChartNet {
     pub(super) degree: [usize; 2],
-    /// See [`TensorPatch::residual_factor`](crate::patch::TensorPatch::residual_factor): every ray needs
-    /// it at every leaf.
+    /// See [`TensorPatch::residual_factor`](crate::patch::TensorPatch::residual_factor): every ray
+    /// needs it at every leaf.
     pub(super) residual_factor: f64,
     /// Row by row.
     control: Control,

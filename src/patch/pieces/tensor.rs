@@ -160,8 +160,8 @@ impl TensorPatch {
         self.weight().is_none()
     }
 
-    /// Whether leaves are approximated by quotients: see [`Leaf`](crate::patch::Leaf). This is so if the
-    /// degrees are three at most, and weights differ.
+    /// Whether leaves are approximated by quotients: see [`Leaf`](crate::patch::Leaf). This is so
+    /// if the degrees are three at most, and weights differ.
     #[inline(always)]
     pub(crate) fn has_quotient_leaves(&self) -> bool {
         let [p, q] = self.degree();

@@ -11,7 +11,7 @@ use crate::patch::OrientedBox;
 /// directions by the box's rows.
 pub(crate) struct BoxCrossing<S: Simd> {
     /// The first of the rays in their packet.
-    pub(super) base: usize,
+    pub base: usize,
     pub met: mask32x16<S>,
     pub x: f32x16<S>,
     pub y: f32x16<S>,

@@ -86,7 +86,7 @@ pub(super) fn finish<S: Simd>(
         Ground::Certificate => (true, target.certified(simd)),
         Ground::Own(rect) => (false, target.parameters(simd, rect, base % LANES / 8)),
     };
-    let leaves = Ground8 { leaf, domain, certified, normals: !packet.any };
+    let leaves = Ground8 { on: leaf, domain, certified, normals: !packet.any };
     let rays = PacketRays::new(simd, packet, base, closer.residual_factor, closer.magnitude);
     let error = rays.error();
     let mut near_pole = simd.splat_mask64x8(false);
@@ -147,7 +147,7 @@ fn put_hits<S: Simd>(
     &Converged { st: [root_s, root_t], z, point, cross, speed, .. }: &Converged<S>,
     &Verdict { size, z_error, .. }: &Verdict<S>,
 ) {
-    let TrueLeaf { target, closer, .. } = leaves.leaf;
+    let TrueLeaf { target, closer, .. } = leaves.on;
     let high = f64x8::splat(simd, 1.0);
     let t_from_z = f64x8::from_slice(simd, &packet.rays.t_from_z[base..base + 8]);
     let ray_t = z * t_from_z;

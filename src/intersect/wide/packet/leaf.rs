@@ -184,15 +184,15 @@ fn search_certified<S: Simd, Q>(
         return Done { found, ..Done::default() };
     }
     ahead.ask(Moment::Finish);
-    let near = match &near {
+    let refined = match &near {
         Some(near) => work.distances.refine(simd, near),
         None => start.map(|x| x.max(-widened).min(widened)),
     };
     let closer = leaf.closer.get_or_init(|| target.closer());
     let patch = &target.piece.patch;
     let net = work.nets.net_of(simd, target.leaf.piece, patch);
-    let leaf = TrueLeaf { target, closer, surface: &OneNet { patch, net } };
-    let finished = finish_all(simd, leaf, packet, base, certain, &Ground::Certificate, &near);
+    let on = TrueLeaf { target, closer, surface: &OneNet { patch, net } };
+    let finished = finish_all(simd, on, packet, base, certain, &Ground::Certificate, &refined);
     Done { found: found | finished.found, ..finished }
 }
 

@@ -159,7 +159,7 @@ pub(super) struct TrueLeaf<'a> {
 
 /// A leaf, and the domain in it where eight rays have at most one root each.
 pub(super) struct Ground8<'a, S: Simd> {
-    pub(super) leaf: TrueLeaf<'a>,
+    pub(super) on: TrueLeaf<'a>,
     /// The domain: from and to in `s`, then in `t`.
     pub(super) domain: [f64x8<S>; 4],
     /// Whether the domain is that of the leaf's certificate.
@@ -171,27 +171,27 @@ pub(super) struct Ground8<'a, S: Simd> {
 impl<S: Simd> Leaves<S> for Ground8<'_, S> {
     #[inline(always)]
     fn jets(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S> {
-        jets::<_, _, true>(simd, self.leaf.surface, self.leaf.closer.form, st)
+        jets::<_, _, true>(simd, self.on.surface, self.on.closer.form, st)
     }
 
     #[inline(always)]
     fn tangents(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S> {
-        jets::<_, _, false>(simd, self.leaf.surface, self.leaf.closer.form, st)
+        jets::<_, _, false>(simd, self.on.surface, self.on.closer.form, st)
     }
 
     #[inline(always)]
     fn half(&self, simd: S) -> [f64x8<S>; 2] {
-        splat2(simd, self.leaf.closer.half)
+        splat2(simd, self.on.closer.half)
     }
 
     #[inline(always)]
     fn per_half(&self, simd: S) -> [f64x8<S>; 2] {
-        splat2(simd, self.leaf.closer.per_half)
+        splat2(simd, self.on.closer.per_half)
     }
 
     #[inline(always)]
     fn middle(&self, simd: S) -> [f64x8<S>; 2] {
-        splat2(simd, self.leaf.closer.middle)
+        splat2(simd, self.on.closer.middle)
     }
 
     #[inline(always)]
@@ -201,12 +201,12 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
 
     #[inline(always)]
     fn bend(&self, simd: S) -> f64x8<S> {
-        f64x8::splat(simd, self.leaf.closer.bend)
+        f64x8::splat(simd, self.on.closer.bend)
     }
 
     #[inline(always)]
     fn third(&self, simd: S) -> f64x8<S> {
-        f64x8::splat(simd, self.leaf.closer.third)
+        f64x8::splat(simd, self.on.closer.third)
     }
 
     #[inline(always)]
@@ -216,7 +216,7 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
 
     #[inline(always)]
     fn clearance<R: Rays<S>>(&self, simd: S, rays: &R) -> f64x8<S> {
-        let target = self.leaf.target;
+        let target = self.on.target;
         if !self.certified || target.pole.is_some() {
             return f64x8::splat(simd, f64::INFINITY);
         }
@@ -246,12 +246,12 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
         let zero = f64x8::splat(simd, 0.0);
         let residual = f1.mul_add(f1, f2 * f2);
         let g = [f1 * n2[0] - f2 * n1[0], f1 * n2[1] - f2 * n1[1], f1 * n2[2] - f2 * n1[2]];
-        let [a, b, n] = self.leaf.target.oriented.unit_axes();
+        let [a, b, n] = self.on.target.oriented.unit_axes();
         let across_a = dot_d(splat3(simd, a), g).abs();
         let across_b = dot_d(splat3(simd, b), g).abs();
         let rest = residual.sqrt() * f64x8::splat(simd, SURELY);
         let normal = dot_d(splat3(simd, n), g).abs() + rest;
-        let [[other_s, out_s], [other_t, out_t]] = self.leaf.target.leaf.certificate.bend();
+        let [[other_s, out_s], [other_t, out_t]] = self.on.target.leaf.certificate.bend();
         let turned_s = (across_a + rest)
             .mul_add(f64x8::splat(simd, other_s), normal.mul_add(f64x8::splat(simd, out_s), rest));
         let turned_t = (across_b + rest)
