@@ -57,6 +57,33 @@ fn gaps_are_listed_with_their_width() {
     assert!(text.contains("1.00e-7 (2.2e-8 of the size)"), "{text}");
 }
 
+/// A bicubic sheet cut by a curve of degree eight, which has degree 48 in space.
+const STEEP_TRIM: &str = r#"
+[[object]]
+name = "sheet"
+trims = { loops = [{ curves = [{ bezier = [
+    [0.5, 0.2], [0.8, 0.2], [0.9, 0.4], [0.8, 0.7], [0.5, 0.9], [0.2, 0.7], [0.1, 0.4], [0.2, 0.2], [0.5, 0.2],
+] }] }] }
+[object.shape.nurbs]
+degree = [3, 3]
+knots_u = [0, 0, 0, 0, 1, 1, 1, 1]
+knots_v = [0, 0, 0, 0, 1, 1, 1, 1]
+points = [
+    [[0, 0, 0], [0, 1, 0], [0, 2, 0], [0, 3, 0]],
+    [[1, 0, 0], [1, 1, 1], [1, 2, 0], [1, 3, 0]],
+    [[2, 0, 0], [2, 1, 0], [2, 2, 1], [2, 3, 0]],
+    [[3, 0, 0], [3, 1, 0], [3, 2, 0], [3, 3, 0]],
+]
+"#;
+
+#[test]
+fn edges_that_are_not_searched_for_gaps_are_told() {
+    let sandbox = Sandbox::with(&[("steep.toml", STEEP_TRIM)]);
+    let text = sandbox.run("info steep.toml").succeeded().stdout;
+    assert!(text.contains("trim edges of 0 sheet are neither counted nor searched"), "{text}");
+    assert!(text.contains("\nno gaps among the other edges up to "), "{text}");
+}
+
 #[test]
 fn what_is_not_imported_is_listed_with_its_place() {
     let sandbox = Sandbox::with(&[("square.json", &turned_square())]);

@@ -215,9 +215,10 @@ fn turned(fit: &Fit, facts: &Facts) -> String {
 
 fn gaps(fit: &Fit, facts: &Facts) -> String {
     if fit.gaps.is_empty() {
+        let among = if fit.left_out.is_empty() { "" } else { " among the other edges" };
         return format!(
-            "no gaps up to {NEAR:e} of the size of the objects (between two, of the larger one's, and \
-             {NEAR_SMALLER:e} of the smaller one's)\n"
+            "no gaps{among} up to {NEAR:e} of the size of the objects (between two, of the larger \
+             one's, and {NEAR_SMALLER:e} of the smaller one's)\n"
         );
     }
     let mut text = format!("{}, widest first:\n", count(fit.gaps.len() as u64, "gap"));
