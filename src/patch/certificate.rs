@@ -338,34 +338,34 @@ mod tests {
         let (asked, close, nearest) = (Cell::new(0), Cell::new(0), Cell::new(f64::INFINITY));
         proptest!(same_cases(256), |(bumps in bumps, rational in any::<bool>(), side in 0usize..4, pairs in pairs)| {
             // A fan: all points of a side agree, to within what still counts as a point.
-            let end = if side % 2 == 0 { 0 } else { 3 };
+            let side = RectSide::ALL[side];
+            let end = 3 * side.end();
             let noise = 3.0 * 8.0 * f64::EPSILON;
             let points = (0..16).map(|k| {
                 let at = [k / 4, k % 4];
-                let shift = if at[side / 2] == end { bumps[k].0 * noise } else { 0.0 };
+                let shift = if at[side.fixed()] == end { bumps[k].0 * noise } else { 0.0 };
                 let [x, y] = at.map(|x| x as f64);
-                if at[side / 2] == end {
-                    let middle = if side < 2 { [x, 1.5] } else { [1.5, y] };
-                    DVec3::new(middle[0], middle[1], shift)
+                if at[side.fixed()] == end {
+                    let [x, y] = side.fixed().pair([x, y][side.fixed()], 1.5);
+                    DVec3::new(x, y, shift)
                 } else {
                     DVec3::new(x, y, bumps[k].0)
                 }
             });
             let (set, leaves) = leaves_of(points, &bumps, rational);
             let piece = &set.pieces()[0];
-            prop_assert!(piece.is_collapsed(RectSide::ALL[side]));
+            prop_assert!(piece.is_collapsed(side));
             let error = piece.patch.error_bound(0.0);
             for (leaf, oriented) in leaves.iter().filter(|(leaf, _)| leaf.pole(piece).is_some()) {
                 let pole = leaf.pole(piece).unwrap();
                 let rect = leaf.rect();
                 let at = |(along, away): (f64, f64)| {
-                    let [s, t] = rect;
-                    let [near, far] = rect[side / 2];
+                    let [near, far] = rect[side.fixed()];
                     let away = 10f64.powf(away) * (far - near);
-                    let away = if side % 2 == 0 { near + away } else { far - away };
-                    let middle = |[from, to]: [f64; 2]| 0.5 * (from + to + along * (to - from));
-                    let st = if side < 2 { DVec2::new(away, middle(t)) } else { DVec2::new(middle(s), away) };
-                    piece.patch.point(st)
+                    let away = if side.is_last() { far - away } else { near + away };
+                    let [from, to] = rect[side.along()];
+                    let middle = 0.5 * (from + to + along * (to - from));
+                    piece.patch.point(side.fixed().pair(away, middle).into())
                 };
                 for &(along_from, along_to, (away_from, away_to)) in &pairs {
                     let (from, to) = (at((along_from, away_from)), at((along_to, away_to)));
@@ -380,7 +380,7 @@ mod tests {
                     if !far_off {
                         continue;
                     }
-                    prop_assert!(!certificate.holds(slopes), "{from} to {to}, side {side}");
+                    prop_assert!(!certificate.holds(slopes), "{from} to {to}, {side:?}");
                     let [by_a, by_b, _] = certificate.turning().map(f64::from);
                     let needed = by_a * a.abs() + by_b * b.abs();
                     nearest.set(nearest.get().min(needed / steepness));

@@ -119,6 +119,7 @@ fn binomials(n: usize) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::RectSide;
     use crate::geometry::shapes::octant_quartic;
     use crate::math::rounding::{UNIT_ROUNDOFF, residual_factor};
     use glam::DVec3;
@@ -168,15 +169,15 @@ mod tests {
     #[test]
     fn common_sides_have_the_same_bits() {
         let patch = bumpy(5, true);
-        let side = |surface: &NurbsSurface, side: usize| -> Vec<DVec4> {
+        let along = |surface: &NurbsSurface, side: RectSide| -> Vec<DVec4> {
             let (n, _) = surface.size();
-            let at = |k: usize| [k, (n - 1) * n + k, k * n, k * n + n - 1][side];
-            (0..n).map(|k| surface.control()[at(k)]).collect()
+            let at = |k: usize| side.control_point([n - 1; 2], k);
+            (0..n).map(at).map(|[i, j]| surface.control()[i * n + j]).collect()
         };
         let charts = patch.charts();
         for k in 0..3 {
             let (here, next) = (&charts[k].surface, &charts[(k + 1) % 3].surface);
-            assert_eq!(side(here, 1), side(next, 3));
+            assert_eq!(along(here, RectSide::LastU), along(next, RectSide::LastV));
         }
         // A neighbour beyond v = 0, run the other way: its corner w = 1 is our u = 1.
         let n = patch.degree();
@@ -187,7 +188,8 @@ mod tests {
         }
         let neighbour = TrianglePatch::from_homogeneous(n, control).unwrap();
         let others = neighbour.charts();
-        assert_eq!(side(&charts[0].surface, 2), side(&others[1].surface, 0));
-        assert_eq!(side(&charts[1].surface, 0), side(&others[0].surface, 2));
+        let [first_u, first_v] = [RectSide::FirstU, RectSide::FirstV];
+        assert_eq!(along(&charts[0].surface, first_v), along(&others[1].surface, first_u));
+        assert_eq!(along(&charts[1].surface, first_u), along(&others[0].surface, first_v));
     }
 }
