@@ -36,10 +36,19 @@ const SMALL_AREA: f64 = 1e-9;
 /// A loop no larger than this many rounding errors of its curves counts as a point.
 const MOST_REACHES: f64 = 64.0;
 
+/// Two loops may cross where they overlap by no more than this, relative to the smaller of their
+/// extents in u and in v.
+///
+/// In CAD files, a hole that touches an outline, or two that share a side, may cross it there by
+/// what their curves are off. What lies between counts by the even–odd rule like all else. For a
+/// loop drawn a thousand pixels wide, it is a hundredth of a pixel wide.
+pub const OVERLAP_TOLERANCE: f64 = 1e-5;
+
 /// The number of contacts at which they are checked for the first time, before all are found.
 const FIRST_LOOK: usize = 64;
 
-/// Fails if a loop crosses itself, its copy a period away, or another.
+/// Fails if a loop crosses itself, its copy a period away, or another, by more than is
+/// [tolerated](OVERLAP_TOLERANCE).
 ///
 /// Around a crossing of two strands of one loop, the winding number takes three values: `k` left of
 /// neither strand, `k + 1`, and `k + 2` left of both. So the smaller of the two values beside a
@@ -48,7 +57,8 @@ const FIRST_LOOK: usize = 64;
 /// the outside of that loop. These values are computed along the strands where they come near
 /// another one, at points clear of it. Whatever happens at a common corner or along a common
 /// stretch, the values before and after it tell a crossing from a touch. The values along [small
-/// lobes](Lobes) are left out.
+/// lobes](Lobes) are left out. Where a loop crosses another, only values at points farther from it
+/// than the tolerance count.
 pub(super) fn check_crossings(
     segments: &[Segment],
     loops: &[Range<usize>],
@@ -109,9 +119,16 @@ impl Checks<'_> {
             let other_tree = self.trees.entry(other).or_insert_with(|| Tree::new(segments, alone));
             let range = loops[this].clone();
             let itself = this == other;
-            let strand = Strand { segments, range, lobes, other: other_tree, itself };
+            let spare = DVec2::ZERO;
+            let mut strand = Strand { segments, range, lobes, other: other_tree, itself, spare };
+            let mut course = strand.course(&found);
+            if matches!(course, Course::Crosses(_)) && !itself {
+                let [own, others] = [this, other].map(|of| around(&segments[loops[of].clone()]));
+                strand.spare = OVERLAP_TOLERANCE * own.size().min(others.size());
+                course = strand.course(&strand.with_all_in(&others, found));
+            }
             let (loop_a, loop_b) = (owners[this], owners[other]);
-            match strand.course(&found) {
+            match course {
                 Course::Steady => {}
                 Course::Crosses(at) if itself => {
                     return Err(TrimError::SelfCrossing { index: loop_a, at });
@@ -200,6 +217,8 @@ struct Strand<'a> {
     other: &'a Tree,
     /// Whether the other is the loop itself.
     itself: bool,
+    /// How near the other is, besides the rounding of both, where nothing counts.
+    spare: DVec2,
 }
 
 impl Strand<'_> {
@@ -212,7 +231,7 @@ impl Strand<'_> {
                 if self.lobes.hold(place) {
                     continue;
                 }
-                let Some(value) = self.value(place) else { continue };
+                let Some(value) = self.value(place, self.spare) else { continue };
                 hidden = false;
                 match before {
                     Some((last, other)) if other != value => {
@@ -224,17 +243,27 @@ impl Strand<'_> {
         }
         // Wherever it comes near the other loop, it lies on it. Does it elsewhere, too?
         let middles = || self.range.clone().map(|index| index as f64 + 0.5);
-        if hidden && middles().all(|place| self.value(place).is_none()) {
+        if hidden && middles().all(|place| self.value(place, self.spare).is_none()) {
             return Course::Hidden;
         }
         Course::Steady
+    }
+
+    /// Some stretches, and all segments that may come into a rectangle.
+    fn with_all_in(&self, rect: &UvBox, mut stretches: Stretches) -> Stretches {
+        for index in self.range.clone() {
+            if self.segments[index].bounds().meets(rect) {
+                stretches.entry(index).or_default();
+            }
+        }
+        stretches
     }
 
     /// Where the value changes between two places of the loop; it is `value` at the first.
     fn change(&self, [mut from, mut to]: [f64; 2], value: i32) -> DVec2 {
         for _ in 0..MOST_HALVINGS {
             let middle = 0.5 * (from + to);
-            match self.value(middle) {
+            match self.value(middle, DVec2::ZERO) {
                 None => return self.point(middle),
                 Some(here) if here == value => from = middle,
                 Some(_) => to = middle,
@@ -244,20 +273,21 @@ impl Strand<'_> {
     }
 
     /// The smaller winding number beside the loop or, for another loop, 1 inside it and 0 outside;
-    /// `None` near another strand. A place is the index of the segment plus the fraction of it that
-    /// the loop has run through.
-    fn value(&self, place: f64) -> Option<i32> {
+    /// `None` within `spare`, or rounding error, of another strand. A place is the index of the
+    /// segment plus the fraction of it that the loop has run through.
+    fn value(&self, place: f64, spare: DVec2) -> Option<i32> {
         let (index, along) = self.locate(place);
         let point = self.segments[index].directed_at(along);
         let own = &self.segments[index];
         let mut clear = true;
-        let target = UvBox::about(point, own.reach());
+        let target = UvBox::about(point, own.reach() + spare);
         let crossings = self.other.crossings(point, &target, |other| {
             if self.itself && other == index {
                 return 0;
             }
             let segment = &self.segments[other];
-            let (meets, crossing) = segment.seen_from(point, segment.reach() + own.reach());
+            let reach = segment.reach() + own.reach() + spare;
+            let (meets, crossing) = segment.seen_from(point, reach);
             clear &= !meets;
             crossing
         });

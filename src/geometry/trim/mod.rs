@@ -40,6 +40,8 @@ mod lobes;
 mod loop_piece;
 mod monotone;
 mod outline;
+#[cfg(test)]
+mod overlap_tests;
 mod seam_sides;
 #[cfg(test)]
 mod seam_tests;
@@ -53,6 +55,7 @@ mod trims;
 mod uv_box;
 mod window;
 
+pub use crossings::OVERLAP_TOLERANCE;
 pub use curve::{MAX_TRIM_POINTS, TrimCurve};
 pub use domain::TrimDomain;
 pub use error::{TrimCurveError, TrimError, TrimLoopError};

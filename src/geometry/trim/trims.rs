@@ -78,7 +78,8 @@ pub enum Coverage {
 /// what is kept depends on the number of loops around it ([`Kept`]): *even–odd*. Neither the
 /// order of the loops nor the direction they run in matters. Loops are cut off at the domain's
 /// border. They may touch themselves, each other and that border, in points and along stretches;
-/// they may not cross, except for [tiny lobes](super::LOBE_TOLERANCE) at the joints of a loop.
+/// they may not cross, except for [tiny lobes](super::LOBE_TOLERANCE) at the joints of a loop, and
+/// [by next to nothing](super::OVERLAP_TOLERANCE) where two loops touch.
 ///
 /// # The test
 /// Loops are cut into segments that are monotone in u and in v and share their ends bit for
