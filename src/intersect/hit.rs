@@ -213,6 +213,10 @@ impl Query {
     /// leaves the other may meet the first again. So bound a loop that goes on from hit to hit.
     /// Model such an interface as one surface, or ask for [all hits](super::Tracer::all_hits).
     pub fn leaving(ray: Ray, hit: &Hit) -> Self {
+        // Most start there exactly.
+        if ray.origin() == hit.point {
+            return Self { ray, from: Some(hit.root) };
+        }
         let moved = ray.origin() - hit.point;
         let has_normal = !hit.normal.is_nan();
         let across = if has_normal { moved.dot(hit.normal).abs() } else { moved.length() };

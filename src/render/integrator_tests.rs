@@ -30,7 +30,7 @@ fn picture(world: &World, integrator: IntegratorKind) -> Film {
 
 /// The camera ray of the only sample of a pixel.
 fn ray(world: &World, pixel: [u32; 2]) -> Ray {
-    let [x, y, ..] = Sampler::new(0).sample(pixel, 0, Dimensions::Film);
+    let [x, y] = Sampler::new(0).sample(pixel, 0, Dimensions::Film);
     let (width, height) = (f64::from(SIZE.0), f64::from(SIZE.1));
     let film = DVec2::new(f64::from(pixel[0]) + x, f64::from(pixel[1]) + y);
     world.camera.ray(film / DVec2::new(width, height), width / height)

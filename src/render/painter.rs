@@ -82,13 +82,14 @@ impl<'a> Painter<'a> {
     /// Makes the camera rays of some samples of every pixel, a pixel's samples together.
     fn aim(&mut self, samples: Range<u32>) {
         let size = DVec2::new(f64::from(self.settings.size.0), f64::from(self.settings.size.1));
-        let aspect = size.x / size.y;
+        let (per_size, aspect) = (size.recip(), size.x / size.y);
         self.batch.rays.clear();
         for &pixel in &self.order {
+            let mut points = self.sampler.of_pixel(pixel, Dimensions::Film);
             for index in samples.clone() {
-                let [x, y, ..] = self.sampler.sample(pixel, index, Dimensions::Film);
+                let [x, y] = points.sample(index);
                 let place = DVec2::new(f64::from(pixel[0]) + x, f64::from(pixel[1]) + y);
-                self.batch.rays.push(self.world.camera.ray(place / size, aspect));
+                self.batch.rays.push(self.world.camera.ray(place * per_size, aspect));
             }
         }
     }

@@ -1,17 +1,31 @@
 //! Where in a pixel, a lens or a light a sample falls: Owen-scrambled Sobol points.
 
+use std::array::from_fn;
+use std::sync::LazyLock;
+
+use sobol_burley::parts::{owen_scramble_rev, sobol_rev};
+
 use crate::math::SplitMix;
 
 /// Samples after which the sequence is seeded afresh: the length of the Sobol sequence
 /// the direction numbers in use are made for (16 bits).
 const SEQUENCE: u32 = 1 << 16;
 
+/// The unscrambled points of numbers of which only the upper or only the lower byte is not zero, by
+/// that byte. That of any number is the sum without carry (exclusive or) of those of its bytes.
+///
+/// All bits are in reverse order, those of numbers after that of 16 bits, as the scrambling wants
+/// them.
+static SOBOL: LazyLock<[[[u32; 2]; 256]; 2]> = LazyLock::new(|| {
+    [24, 16].map(|shift| from_fn(|byte| [0, 1].map(|axis| sobol_rev((byte as u32) << shift, axis))))
+});
+
 /// Low-discrepancy sample points, a pure function of (seed, pixel, sample index,
 /// dimension): no state, so neither threads nor the order of work can change a picture.
 ///
 /// Each pixel has its own sequence, shuffled and Owen-scrambled by a hash (Burley,
-/// "Practical Hash-based Owen Scrambling", JCGT 2020). Every four dimensions are
-/// stratified together; sets of four are independent of each other (padding).
+/// "Practical Hash-based Owen Scrambling", JCGT 2020). Every two dimensions are
+/// stratified together; pairs are independent of each other (padding).
 ///
 /// The sequences are 65,536 samples long. Sample 65,536 begins the next one, scrambled
 /// independently: further samples go on improving the picture, the longest strata
@@ -21,12 +35,12 @@ pub struct Sampler {
     seed: u64,
 }
 
-/// What four dimensions of a sample are used for. Numbers, once used, keep their
+/// What two dimensions of a sample are used for. Numbers, once used, keep their
 /// meaning, so that pictures stay the same when others are added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Dimensions {
-    /// The place in the pixel (first two); the others are spare.
+    /// The place in the pixel.
     Film = 0,
 }
 
@@ -36,13 +50,65 @@ impl Sampler {
         Self { seed }
     }
 
-    /// Four numbers in `[0, 1)` for one sample of one pixel.
-    pub fn sample(&self, pixel: [u32; 2], index: u32, dimensions: Dimensions) -> [f64; 4] {
+    /// Two numbers in `[0, 1)` for one sample of one pixel.
+    pub fn sample(&self, pixel: [u32; 2], index: u32, dimensions: Dimensions) -> [f64; 2] {
+        self.of_pixel(pixel, dimensions).sample(index)
+    }
+
+    /// The points of one pixel: quicker for many samples of it.
+    pub(super) fn of_pixel(&self, pixel: [u32; 2], dimensions: Dimensions) -> PixelSampler {
         let place = u64::from(pixel[0]) << 32 | u64::from(pixel[1]);
-        let use_of = u64::from(index / SEQUENCE) << 32 | dimensions as u64;
-        let key = mix(mix(mix(self.seed) ^ place) ^ use_of);
-        let scramble = (key >> 32) as u32; // the upper half of a mixed word is as good as any
-        sobol_burley::sample_4d(index % SEQUENCE, 0, scramble).map(f64::from)
+        let key = mix(mix(self.seed) ^ place);
+        PixelSampler { key, dimensions, run: 0, sequence: Sequence::new(key, 0, dimensions) }
+    }
+}
+
+/// The sample points of one pixel.
+pub(super) struct PixelSampler {
+    key: u64,
+    dimensions: Dimensions,
+    /// Which sequence is at hand.
+    run: u32,
+    sequence: Sequence,
+}
+
+impl PixelSampler {
+    /// As [`Sampler::sample`].
+    #[inline]
+    pub(super) fn sample(&mut self, index: u32) -> [f64; 2] {
+        let run = index / SEQUENCE;
+        if run != self.run {
+            (self.run, self.sequence) = (run, Sequence::new(self.key, run, self.dimensions));
+        }
+        self.sequence.point(index % SEQUENCE)
+    }
+}
+
+/// A scrambled sequence: random words that say how.
+struct Sequence {
+    /// For the order of its points.
+    order: u32,
+    /// For their coordinates.
+    places: [u32; 2],
+}
+
+impl Sequence {
+    fn new(key: u64, run: u32, dimensions: Dimensions) -> Self {
+        let mut words = SplitMix::new(key ^ (u64::from(run) << 32 | dimensions as u64));
+        let (first, second) = (words.word(), words.word());
+        Self { order: (first >> 32) as u32, places: [first as u32, (second >> 32) as u32] }
+    }
+
+    /// The point of a number below [`SEQUENCE`].
+    #[inline]
+    fn point(&self, index: u32) -> [f64; 2] {
+        let [upper, lower] = &*SOBOL;
+        let shuffled = owen_scramble_rev(index.reverse_bits(), self.order);
+        let (a, b) = (upper[(shuffled >> 24) as usize], lower[(shuffled >> 16 & 0xff) as usize]);
+        from_fn(|axis| {
+            let scrambled = owen_scramble_rev(a[axis] ^ b[axis], self.places[axis]);
+            f64::from(scrambled.reverse_bits()) / (1u64 << 32) as f64
+        })
     }
 }
 
@@ -59,14 +125,14 @@ mod tests {
 
     use super::*;
 
-    fn film(seed: u64, pixel: [u32; 2], index: u32) -> [f64; 4] {
+    fn film(seed: u64, pixel: [u32; 2], index: u32) -> [f64; 2] {
         Sampler::new(seed).sample(pixel, index, Dimensions::Film)
     }
 
     /// How many of the `rows × columns` boxes of the unit square hold a point.
-    fn boxes_met(points: &[[f64; 4]], columns: u32, rows: u32) -> usize {
+    fn boxes_met(points: &[[f64; 2]], columns: u32, rows: u32) -> usize {
         let box_of =
-            |p: &[f64; 4]| ((p[0] * f64::from(columns)) as u32, (p[1] * f64::from(rows)) as u32);
+            |p: &[f64; 2]| ((p[0] * f64::from(columns)) as u32, (p[1] * f64::from(rows)) as u32);
         points.iter().map(box_of).collect::<HashSet<_>>().len()
     }
 
@@ -87,7 +153,7 @@ mod tests {
 
     #[test]
     fn points_lie_in_the_unit_square_and_average_to_its_middle() {
-        let mut sum = [0.0; 4];
+        let mut sum = [0.0; 2];
         for index in 0..4096 {
             for (sum, value) in sum.iter_mut().zip(film(3, [17, 4], index)) {
                 assert!((0.0..1.0).contains(&value));
@@ -112,6 +178,29 @@ mod tests {
         let first: Vec<_> = (0..1024).map(|i| film(0, [i % 32, i / 32], 0)).collect();
         let met = boxes_met(&first, 32, 32);
         assert!((600..700).contains(&met), "{met} boxes met");
+    }
+
+    /// The points of all numbers as the library gives them, without their scrambling.
+    #[test]
+    fn bytes_of_numbers_add_up_to_sobol_points() {
+        for index in (0..SEQUENCE).step_by(7) {
+            let reversed = index.reverse_bits();
+            let [upper, lower] = &*SOBOL;
+            let (a, b) =
+                (upper[(reversed >> 24) as usize], lower[(reversed >> 16 & 0xff) as usize]);
+            for axis in 0..2 {
+                assert_eq!(a[axis] ^ b[axis], sobol_rev(reversed, axis as u32), "{index}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_pixel_s_points_do_not_depend_on_their_order() {
+        let sampler = Sampler::new(5);
+        let mut pixel = sampler.of_pixel([2, 9], Dimensions::Film);
+        for index in [7, 0, SEQUENCE + 3, 2 * SEQUENCE, 7, u32::MAX, 1] {
+            assert_eq!(pixel.sample(index), sampler.sample([2, 9], index, Dimensions::Film));
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Direct: lights, shadows and diffuse materials.
 
-use std::f64::consts::PI;
+use std::f64::consts::FRAC_1_PI;
 
 use glam::DVec3;
 
@@ -36,6 +36,16 @@ struct Shaded {
     albedo: Rgb,
 }
 
+/// What a light sends to a place if nothing is in the way.
+struct Beam {
+    /// From the place to the light, and no farther.
+    ray: Ray,
+    /// The unit direction of that ray.
+    to_light: DVec3,
+    /// The irradiance of a surface that faces the light.
+    irradiance: Rgb,
+}
+
 impl Direct {
     /// Finds the radiance of each camera ray from its first hit; returns what was traced. Shadow
     /// rays are traced with the coherence given with the tracer.
@@ -58,40 +68,53 @@ impl Direct {
 
         let mut counters = Counters::default();
         for light in &world.lights {
-            counters += self.add_light(light, (&mut *tracer, coherence), batch);
+            match *light {
+                Light::Ambient { radiance: ambient } => {
+                    for point in &self.points {
+                        add(&mut batch.radiance[point.index], product(point.albedo, ambient));
+                    }
+                    continue;
+                }
+                Light::Point { position, intensity } => {
+                    self.aim(|origin| Beam::from_point(position, intensity, origin));
+                }
+                Light::Directional { to_light, irradiance } => {
+                    let unit = to_light.normalize_or_zero();
+                    self.aim(|origin| {
+                        let ray = Ray::new(origin, to_light).ok()?;
+                        Some(Beam { ray, to_light: unit, irradiance })
+                    });
+                }
+            }
+            counters += self.add_seen((&mut *tracer, coherence), batch);
         }
         counters
     }
 
-    /// Adds one light to the radiance of all hits that see it, and notes where that is in doubt.
-    fn add_light(
+    /// Makes the shadow rays of all hits that a light, which sends `beam` to a place, may reach.
+    fn aim(&mut self, beam: impl Fn(DVec3) -> Option<Beam>) {
+        let Self { points, shadows, brought, .. } = self;
+        shadows.clear();
+        brought.clear();
+        for point in points {
+            let Some(Beam { ray, to_light, irradiance }) = beam(point.hit.point) else { continue };
+            let cosine = point.normal.dot(to_light);
+            let diffuse = product(point.albedo, irradiance).map(|x| x * (cosine * FRAC_1_PI));
+            // Not where the light stands behind the surface, or sends nothing. False for NaN.
+            if cosine > 0.0 && irradiance.iter().any(|&x| x > 0.0) {
+                shadows.push(Query::leaving(ray, &point.hit));
+                brought.push((point.index, diffuse));
+            }
+        }
+    }
+
+    /// Adds a light to the radiance of all hits that see it, and notes where that is in doubt.
+    fn add_seen(
         &mut self,
-        light: &Light,
         (tracer, coherence): (&mut Tracer<'_>, Coherence),
         batch: &mut Batch,
     ) -> Counters {
         let Batch { radiance, doubtful, .. } = batch;
-        self.shadows.clear();
-        self.brought.clear();
-        for point in &self.points {
-            let origin = point.hit.point;
-            let beam = match *light {
-                Light::Ambient { radiance: ambient } => {
-                    add(&mut radiance[point.index], product(point.albedo, ambient));
-                    None
-                }
-                Light::Point { position, intensity } => from_point(position, intensity, origin),
-                Light::Directional { to_light, irradiance } => {
-                    Ray::new(origin, to_light).ok().map(|ray| (ray, irradiance))
-                }
-            };
-            if let Some((ray, irradiance)) = beam.and_then(|beam| received(beam, point.normal)) {
-                let diffuse = product(point.albedo, irradiance).map(|x| x / PI);
-                self.shadows.push(Query::leaving(ray, &point.hit));
-                self.brought.push((point.index, diffuse));
-            }
-        }
-
         // Rays towards one light are as close together as their hits are.
         tracer.occlusions(&self.shadows, coherence, &mut self.hidden);
         for (&(index, diffuse), hidden) in self.brought.iter().zip(&self.hidden) {
@@ -108,23 +131,16 @@ impl Direct {
     }
 }
 
-/// The shadow ray to a point light, and the irradiance of a surface that faces the light; `None` at
-/// the light itself.
-fn from_point(position: DVec3, intensity: Rgb, origin: DVec3) -> Option<(Ray, Rgb)> {
-    // Up to the light and no farther; a light on the surface itself lights nothing.
-    let to_light = position - origin;
-    let ray = Ray::with_range(origin, to_light, 0.0, 1.0).ok()?;
-    let distance = to_light.length();
-    Some((ray, intensity.map(|x| x / distance / distance)))
-}
-
-/// The shadow ray, and the irradiance of a surface with this normal if nothing is in the ray's way;
-/// `None` where the light stands behind the surface or sends nothing.
-fn received((ray, irradiance): (Ray, Rgb), normal: DVec3) -> Option<(Ray, Rgb)> {
-    let cosine = normal.dot(ray.direction().normalize_or_zero());
-    let irradiance = irradiance.map(|x| x * cosine);
-    let lit = cosine > 0.0 && irradiance.iter().any(|&x| x > 0.0); // false for NaN
-    lit.then_some((ray, irradiance))
+impl Beam {
+    /// From a point light; `None` at the light itself.
+    fn from_point(position: DVec3, intensity: Rgb, origin: DVec3) -> Option<Self> {
+        // Up to the light and no farther; a light on the surface itself lights nothing.
+        let way = position - origin;
+        let ray = Ray::with_range(origin, way, 0.0, 1.0).ok()?;
+        let nearness = way.length().recip();
+        let irradiance = intensity.map(|x| x * nearness * nearness);
+        Some(Self { ray, to_light: way * nearness, irradiance })
+    }
 }
 
 /// The unit normal on the side a ray comes from.
