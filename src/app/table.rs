@@ -15,12 +15,9 @@ pub(crate) fn table(rows: &[Vec<String>], words: &[usize]) -> String {
     let mut text = String::new();
     for row in rows {
         let cells = row.iter().enumerate().map(|(column, cell)| {
-            let width = widths[column];
-            if words.contains(&column) {
-                format!("{cell:<width$}")
-            } else {
-                format!("{cell:>width$}")
-            }
+            // Not by the formatter's width, which ends at 65535.
+            let padding = " ".repeat(widths[column] - cell.chars().count());
+            if words.contains(&column) { cell.clone() + &padding } else { padding + cell }
         });
         text.push_str(cells.collect::<Vec<_>>().join("  ").trim_end());
         text.push('\n');
