@@ -239,6 +239,24 @@ pub enum TrimError {
         /// Those of the domain.
         domain: [DVec2; 2],
     },
+    /// A loop reaches so far beyond the domain that digits are lost there.
+    #[error(
+        "loop {index} reaches {direction} = {}, too far from the domain, {} to {}: at most {limit:e} times its \
+         length is supported; cut the loop off nearer to it",
+        Measured(*.at), Shown(.domain[0]), Shown(.domain[1])
+    )]
+    TooFar {
+        /// Which loop, counted from 0.
+        index: usize,
+        /// In which direction.
+        direction: Direction,
+        /// How far it reaches.
+        at: f64,
+        /// Where the domain begins and ends.
+        domain: [f64; 2],
+        /// How many times the domain's length a loop may be away from it.
+        limit: f64,
+    },
     /// A loop goes around a periodic domain too often.
     #[error(
         "loop {index} is {} periods long in {direction}: at most {limit} are supported",

@@ -391,3 +391,33 @@ fn a_loop_run_through_twice_is_told_from_one_that_encloses_nothing() {
         TrimError::Loop { index: 0, error: TrimLoopError::Repeated { .. } }
     ));
 }
+
+/// Kept is what lies between two lines that meet far beyond the domain.
+#[test]
+fn loops_may_reach_far_but_not_where_digits_are_lost() {
+    let domain = TrimDomain::new([0.0, 1.0], [0.0, 1.0]).unwrap();
+    let wedge = |far: f64| {
+        let corners = [(0.25, 0.25), (far, 0.5), (0.25, 0.75)];
+        Trims::new(domain, Kept::Odd, &[polygon(&corners)])
+    };
+    for far in [3.0, 1e3, 1e6, 1e9] {
+        let trims = wedge(far).unwrap();
+        for k in 1..500 {
+            let u = 0.25 + 1.5e-3 * f64::from(k);
+            let edge = 0.25 + 0.25 * (u - 0.25) / (far - 0.25);
+            for off in [-0.1, -1e-6, -1e-9, 1e-9, 1e-6, 0.1] {
+                let kept = if off > 0.0 { Side::Inside } else { Side::Outside };
+                for v in [edge + off, 1.0 - (edge + off)] {
+                    assert_eq!(trims.contains(DVec2::new(u, v)), kept, "{far:e}: {u}, {v}");
+                }
+            }
+        }
+    }
+    assert_eq!(
+        wedge(2e9).unwrap_err().to_string(),
+        "loop 0 reaches u = 2000000000, too far from the domain, 0 to 1: at most 1e9 times its length is \
+         supported; cut the loop off nearer to it"
+    );
+    let round = Trims::new(domain, Kept::Odd, &[circle(1e9 + 0.5, 0.5, 1e9)]);
+    assert!(matches!(round, Err(TrimError::TooFar { direction: Direction::U, .. })), "{round:?}");
+}

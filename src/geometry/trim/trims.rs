@@ -17,6 +17,10 @@ pub const MAX_TRIM_SEGMENTS: usize = 1 << 21;
 /// The most periods a loop may span: more is taken for a mistake of units.
 const MAX_PERIODS: usize = 64;
 
+/// Loops may reach beyond the domain by up to this many times its length: nine digits are lost
+/// there, and seven are left.
+const FARTHEST: f64 = 1e9;
+
 /// Loops that pass the domain's border by no more than this fraction of its length do not reach
 /// into it.
 const TOUCH: f64 = 1e-12;
@@ -123,8 +127,8 @@ impl Trims {
     /// # Errors
     /// When there is no loop; when a loop encloses nothing, is run through twice, has a dangling
     /// edge or lies outside the domain; when loops cross themselves, their copies a period away, or
-    /// each other; when two loops are the same; or when they span too many periods or need too many
-    /// segments. Loops are counted from 0.
+    /// each other; when two loops are the same; or when they span too many periods, reach too far
+    /// beyond the domain or need too many segments. Loops are counted from 0.
     pub fn new(domain: TrimDomain, kept: Kept, loops: &[TrimLoop]) -> Result<Self, TrimError> {
         let loops: Vec<TrimLoop> =
             loops.iter().map(|one| one.straight_along_seams(&domain)).collect();
@@ -410,6 +414,15 @@ fn shifts_into(
     if shifts.is_empty() {
         let loop_box = [loop_box.min, loop_box.max];
         return Err(TrimError::OutsideDomain { index, loop_box, domain: [bounds.min, bounds.max] });
+    }
+    for direction in Direction::BOTH {
+        let domain = [bounds.min[direction], bounds.max[direction]];
+        let (low, high) = (loop_box.min[direction], loop_box.max[direction]);
+        for (at, beyond) in [(low, domain[0] - low), (high, high - domain[1])] {
+            if beyond > FARTHEST * (domain[1] - domain[0]) {
+                return Err(TrimError::TooFar { index, direction, at, domain, limit: FARTHEST });
+            }
+        }
     }
     Ok(shifts)
 }
