@@ -10,21 +10,27 @@
 //!
 //! POV-Ray has constants made for lengths of about 1: it drops hits nearer than an absolute 1e-6 or
 //! so, for example. So the scene and its camera are moved to the middle of the scene's bounding box
-//! and scaled by a power of two to a size between 1 and 2. This changes no pixel and gives POV-Ray
-//! its best case.
+//! and scaled by a power of two to a size between 1 and 2, or larger if small surfaces would be
+//! lost. This changes no pixel and gives POV-Ray its best case.
 
 mod patches;
 mod primitives;
 
 use std::fmt;
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec4Swizzles};
 use thiserror::Error;
 
-use crate::geometry::Surface;
-use crate::math::Aabb;
+use crate::geometry::{Charts, Surface};
+use crate::math::{Aabb, rounding};
 use crate::patch::ScaledFrame;
 use crate::scene::{Camera, Instance, Projection, Scene, Shape, Transform, World, Written};
+
+/// The least size that a surface should have in POV-Ray's coordinates.
+const LEAST: f64 = 1.0 / 64.0;
+
+/// How far from the middle a scene and its camera may then reach: POV-Ray ends rays at 1e7.
+const FARTHEST: f64 = 1e6;
 
 /// A scene for POV-Ray.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,10 +68,13 @@ pub enum PovrayGap {
         v: usize,
     },
     /// A part of it is cut off.
-    #[error("it is trimmed, and POV-Ray has no words for a part of a patch")]
+    #[error("it is trimmed, and a patch of POV-Ray has no trims")]
     Trimmed,
     /// The patches would have to be split too often.
-    #[error("to be so flat its patches need {halvings} halvings each way, {limit} at most")]
+    #[error(
+        "to be so flat its patches need {halvings} halvings each way: at most {limit}, which make a \
+         million parts, are asked of POV-Ray"
+    )]
     TooFine {
         /// Halvings needed in each direction.
         halvings: u32,
@@ -91,8 +100,7 @@ pub fn povray_scene(
     flatness: f64,
 ) -> PovrayScene {
     let aspect = f64::from(width) / f64::from(height);
-    let bounds = world.bvh.bounds().map_or(Aabb::EMPTY, |(min, max)| Aabb { min, max });
-    let frame = ScaledFrame::around(&bounds);
+    let frame = frame_of(world);
     let mut text = heading(&world.camera, aspect, &frame);
     let (mut written, mut skipped) = (Vec::new(), Vec::new());
     for (index, instance) in world.surfaces.iter().enumerate() {
@@ -113,6 +121,27 @@ pub fn povray_scene(
         }
     }
     PovrayScene { text, written, skipped }
+}
+
+/// POV-Ray's coordinates of a world.
+fn frame_of(world: &World) -> ScaledFrame {
+    let bounds = world.bvh.bounds().map_or(Aabb::EMPTY, |(min, max)| Aabb { min, max });
+    let mut frame = ScaledFrame::around(&bounds);
+    let sizes = world.surfaces.iter().map(|instance| frame.scale * size(&instance.surface));
+    let wanted = LEAST / sizes.fold(f64::INFINITY, f64::min);
+    let eye = frame.scaled(world.camera.view().look_from).length();
+    let larger = wanted.min(FARTHEST / eye.max(1.0));
+    if larger > 1.0 {
+        frame.scale *= rounding::power_of_two_below(larger);
+    }
+    frame
+}
+
+/// The longest side of the box around a surface's control points.
+fn size(surface: &Surface) -> f64 {
+    let charts = surface.charts();
+    let points = charts.iter().flat_map(|chart| chart.surface.control());
+    Aabb::around(points.map(|point| point.xyz() / point.w)).size().max_element()
 }
 
 /// The shape that a surface was made of, and the transforms that moved it to its place. (Some

@@ -40,13 +40,16 @@ const NOTES: &str = "\
 - **Scene**: camera and shapes are ours; light and colour are not. A lamp at the camera, without
   shadows, makes each pixel the cosine of the angle between ray and normal. POV-Ray writes 16 bits.
 - **Scale**: POV-Ray has constants made for lengths of about 1. Its scene is moved to the middle of the
-  bounding box and scaled by a power of two, to a size between 1 and 2: its best case.
+  bounding box and scaled by a power of two, to a size between 1 and 2, or larger if small surfaces
+  would be lost: its best case.
 - **Tolerance**: how flat POV-Ray makes the triangles it cuts its bicubic patches into (`flatness`),
   as a fraction of the diagonal of the model's bounding box. Spheres, cones, cylinders, disks and tori
   are not cut.
 - **Prepare**: from the file to ready; of POV-Ray, its parse and bounding times. **Trace**: POV-Ray's
-  own figure includes light and colour. **From start to end**: of nurbray, from the file to the last
-  ray; of POV-Ray, the whole run of the program, picture written and all.
+  own figure includes light and colour; it draws each picture once, and its clock counts whole
+  milliseconds: of small pictures it says little. **From start to end**: of nurbray, from the file to
+  the last ray; of POV-Ray, the whole run of the program, half a second of starting it and the writing
+  of the picture among it.
 - **Doubtful**: pixels of which nurbray itself says that floating point could not decide. There is no
   truth to judge POV-Ray by; they are left out of all rows below that one.
 - **Error of brightness**: the difference of both cosines where both hit. **Lost** are pixels where
