@@ -120,7 +120,7 @@ impl Panel {
             .y_desc(self.quantity)
             .y_labels(LABELS)
             .y_label_formatter(&|&value| label(value))
-            .x_label_formatter(&|&tolerance| format!("{:e}", rounded(tolerance)))
+            .x_label_formatter(&|&tolerance| tolerance_label(tolerance))
             .light_line_style(RGBColor(240, 240, 240))
             .draw()
             .map_err(failed)?;
@@ -178,6 +178,17 @@ fn scale(rows: &[Vec<Panel>], quantity: &str) -> Range<f64> {
 fn label(value: f64) -> String {
     let value = rounded(value);
     if (1e-3..1e5).contains(&value) { format!("{value}") } else { format!("{value:e}") }
+}
+
+/// A tolerance below an axis. Over a decade or so, all of its tenths are marked: numbers have room
+/// at some of them only.
+fn tolerance_label(value: f64) -> String {
+    let text = format!("{:e}", rounded(value));
+    if ["1e", "2e", "5e"].iter().any(|first| text.starts_with(first)) {
+        text
+    } else {
+        String::new()
+    }
 }
 
 /// The number that is meant beside an axis: numbers of a logarithmic scale are products of many
@@ -249,6 +260,7 @@ mod tests {
         assert_eq!(scale(&rows, "Mrays/s"), 0.1..1000.0);
         // What is 0 is not on a logarithmic scale.
         assert_eq!(scale(&rows, "degrees"), 0.1..1.0);
+        assert_eq!([1e-3, 5e-4, 7e-3].map(tolerance_label), ["1e-3", "5e-4", ""]);
         assert_eq!([0.001, 20.0, 1e5, 1e-4].map(label), ["0.001", "20", "1e5", "1e-4"]);
         let products = [9.999999999999999e-5, 0.0009999999999999998, 99999.99999999999];
         assert_eq!(products.map(label), ["1e-4", "0.001", "1e5"]);

@@ -6,6 +6,9 @@ use nurbray::io::{Quoted, check_writable};
 
 use super::failure::{Failure, OrFail};
 
+/// The most symbolic links that are followed one after the other: as many as Linux does.
+const MOST_LINKS: usize = 40;
+
 /// Refuses outputs that cannot be written, would overwrite an input, or each other.
 ///
 /// # Errors
@@ -132,6 +135,7 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
 /// Whether two paths, of files that need not exist, name one place.
 fn is_same_place(a: &Path, b: &Path) -> bool {
     let place = |path: &Path| -> Option<PathBuf> {
+        let path = followed(path);
         let folder = match path.parent() {
             Some(folder) if folder != Path::new("") => folder.canonicalize().ok()?,
             _ => Path::new(".").canonicalize().ok()?,
@@ -139,6 +143,16 @@ fn is_same_place(a: &Path, b: &Path) -> bool {
         Some(folder.join(path.file_name()?))
     };
     a == b || is_same_file(a, b) || place(a).is_some_and(|a| Some(a) == place(b))
+}
+
+/// Where a symbolic link leads, which may be to a file that does not exist; other paths as they are.
+fn followed(path: &Path) -> PathBuf {
+    let mut path = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        let Ok(target) = path.read_link() else { break };
+        path = path.parent().map_or_else(|| target.clone(), |folder| folder.join(&target));
+    }
+    path
 }
 
 #[cfg(test)]
@@ -192,5 +206,13 @@ mod tests {
         assert!(check(&[&folder.path().join("none/a.npy")], &[]).is_err());
         assert_eq!(std::fs::read(&a).unwrap(), b"rays");
         assert!(!b.exists());
+
+        #[cfg(unix)]
+        {
+            let link = folder.path().join("link.npy");
+            std::os::unix::fs::symlink("b.npy", &link).unwrap();
+            let twice = check(&[&link, &b], &[]).unwrap_err();
+            assert!(twice.reason().to_string().ends_with("is given twice as output"));
+        }
     }
 }

@@ -52,7 +52,7 @@ pub(crate) struct CompareArguments {
         value_parser = threads())]
     pub(crate) threads: u16,
 
-    /// How long to measure the speed of each competitor
+    /// How long to measure the speed of each competitor (POV-Ray draws each picture once)
     #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = seconds)]
     pub(crate) seconds: f64,
 }

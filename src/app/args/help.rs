@@ -9,7 +9,8 @@ right and above, a key, a fill and a little ambient light go with it. Give
 What a pixel shows (--integrator):
   direct      diffuse surfaces in the light of all lights, with shadows
   normal      the normal n as the surface orients it, as the colour (n + 1) / 2
-  uv          u as red, v as green, from 0 to 1 over the surface's domain
+  uv          u as red, v as green, from 0 to 1 over the surface's domain (of a
+              cage: over each of its unit squares)
   depth       the distance along the ray, from white to dark grey over the model
   id          a colour for each surface
   iterations  the work of each ray, from black over red and yellow to white
@@ -51,9 +52,10 @@ numbers), rays (shadow rays among them), hits (of camera rays), doubtful, second
 of seconds since 1970, capDate is that time and nurbray:seconds is left out: the
 same command then writes the same file, byte for byte.
 
-If one of several OUT cannot be written, the others are, and the run fails. A run
-that is interrupted writes nothing: render ranges of samples one after the other
-(--samples) to keep what is done.
+An OUT that cannot be written to is refused before the work begins. If writing one
+of several fails later, on a full disk perhaps, the others are written, and the
+run fails. A run that is interrupted writes nothing: render ranges of samples one
+after the other (--samples) to keep what is done.
 
 With --crop, an EXR keeps the whole picture as its display window and holds the
 crop's pixels as its data window; a PNG holds the crop's pixels only.
