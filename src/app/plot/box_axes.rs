@@ -14,6 +14,10 @@ const MARK: f64 = 0.02;
 /// lie upon each other.
 const SHORTEST: f64 = 0.05;
 
+/// For how many steps between numbers an edge has room that is seen as long as the picture: small
+/// pictures are some 250 pixels wide, a number with a gap beside it 30.
+const ROOM: f64 = 8.0;
+
 /// The names of the axes.
 const NAMES: [&str; 3] = ["x", "y", "z"];
 
@@ -37,6 +41,7 @@ pub(super) fn box_axes(bounds: Aabb, projection: Projection) -> Vec<Item> {
     let starts = [front, front, left];
     let middle = projection.of(bounds.center());
     let longest = size.max_element();
+    let seen = seen_size(bounds, projection);
     for (axis, start) in starts.into_iter().enumerate() {
         let at = |value: f64| {
             let mut point = start;
@@ -53,7 +58,7 @@ pub(super) fn box_axes(bounds: Aabb, projection: Projection) -> Vec<Item> {
         // Numbers are beside the edge, away from the box.
         let across = along.perp().normalize();
         let outwards = if across.dot(at(low) - middle) < 0.0 { -across } else { across };
-        let ticks = Ticks::along([low, high]);
+        let ticks = Ticks::along([low, high], ROOM * along.length() / seen);
         for &value in &ticks.values {
             let (from, text) = (at(value), ticks.text(value));
             let to = from + MARK * longest * outwards;
@@ -67,12 +72,22 @@ pub(super) fn box_axes(bounds: Aabb, projection: Projection) -> Vec<Item> {
     items
 }
 
+/// A corner of a box as it is seen; a bit for each axis, set at its upper end.
+fn corner(Aabb { min, max }: Aabb, projection: Projection, bits: usize) -> DVec2 {
+    let is_high = |axis: usize| bits >> axis & 1 == 1;
+    projection.of(DVec3::select(glam::BVec3::new(is_high(0), is_high(1), is_high(2)), max, min))
+}
+
+/// The width or the height of a box as it is seen, whichever is larger.
+fn seen_size(bounds: Aabb, projection: Projection) -> f64 {
+    let corners = || (0..8).map(|bits| corner(bounds, projection, bits));
+    let (low, high) = (corners().reduce(DVec2::min), corners().reduce(DVec2::max));
+    (high.unwrap_or_default() - low.unwrap_or_default()).max_element()
+}
+
 /// The edges of a box.
-fn outline(Aabb { min, max }: Aabb, projection: Projection) -> Vec<Item> {
-    let corner = |bits: usize| {
-        let is_high = |axis: usize| bits >> axis & 1 == 1;
-        projection.of(DVec3::select(glam::BVec3::new(is_high(0), is_high(1), is_high(2)), max, min))
-    };
+fn outline(bounds: Aabb, projection: Projection) -> Vec<Item> {
+    let corner = |bits: usize| corner(bounds, projection, bits);
     let edges = (0..8).flat_map(|bits: usize| {
         let others = [1, 2, 4].into_iter().filter(move |bit| bits & bit == 0);
         others.map(move |bit| [bits, bits | bit])

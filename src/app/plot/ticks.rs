@@ -40,9 +40,10 @@ impl Ticks {
         Self { unit: power_below(step), ..shifted }
     }
 
-    /// Some three numbers along an edge of a box, two at least, however far from 0.
-    pub(super) fn along(range: [f64; 2]) -> Self {
-        let step = round_step(0.25 * (range[1] - range[0]));
+    /// Some numbers along an edge of a box, two at least, however far from 0. `room` is for how many
+    /// steps there is room.
+    pub(super) fn along(range: [f64; 2], room: f64) -> Self {
+        let step = round_step((range[1] - range[0]) / room.clamp(1.0, 4.0));
         let fits = |ticks: &Self| ticks.labels().all(|(_, width)| width <= WIDEST);
         Self::fitting(range, Self::finer(range, step), fits)
     }
