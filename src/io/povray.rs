@@ -1,8 +1,8 @@
 //! Scenes in the language of POV-Ray 3.7, for the opinion of another program.
 //!
-//! POV-Ray has no NURBS. Surfaces that it can represent exactly are written: polynomial surfaces
-//! up to degree 3 as `bicubic_patch`es (their Bézier pieces, elevated), spheres, cones, cylinders,
-//! disks and tori as its primitives of the same shape. The others are named and left out.
+//! POV-Ray has no NURBS. Written are polynomial surfaces up to degree 3, as `bicubic_patch`es
+//! (their Bézier pieces, elevated), and what the scene calls spheres, cones, cylinders, disks and
+//! tori, as primitives of the same shape. The others are named and left out.
 //!
 //! Light and colour are not the scene's: one lamp at the camera, without shadows, on white.
 //! So a pixel is the cosine of the angle between ray and normal, and pictures differ where

@@ -261,8 +261,10 @@ gets
 --against povray: the scene is written for POV-Ray 3.7 with a lamp at the
 camera, so that a pixel is the cosine between ray and normal; its bicubic
 patches are flat to within each tolerance. The program `povray`, or the one
-named by POVRAY, renders it. Surfaces POV-Ray cannot be told exactly are left
-out on both sides; the first twelve for each reason are named. DIR gets
+named by POVRAY, renders it. Spheres, cones, cylinders, disks and tori that are
+called so in the scene are written, and polynomial surfaces of degrees up to 3
+without trims. All others are left out on both sides, though some would be
+primitives of POV-Ray, too; the first twelve for each reason are named. DIR gets
   report.md                 times; errors of brightness; pixels lost and
                             invented
   scene-TOLERANCE.pov       what POV-Ray reads
