@@ -7,6 +7,7 @@ mod heat;
 mod povray;
 mod povray_report;
 mod povray_run;
+mod remarks;
 mod report;
 mod sight;
 mod table;

@@ -149,6 +149,58 @@ fn a_camera_that_sees_nothing_is_warned_of() {
     assert!(report.contains("\nThe scene's camera, 60 x 40 pixels, "), "{report}");
 }
 
+/// A ball on a floor so large that the tolerance is larger than the ball.
+const SMALL_ON_LARGE: &str = "
+[camera]
+look_from = [3, -4, 2]
+look_at = [0, 0, 0.5]
+[[object]]
+shape = { plane = { width = 1e5, height = 1e5 } }
+[[object]]
+shape = { sphere = { radius = 0.5 } }
+transform = [{ translate = [0, 0, 0.5] }]
+";
+
+#[test]
+fn reports_tell_what_a_reader_should_know_of_the_model() {
+    if without_embree() {
+        return;
+    }
+    let cube = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
+                f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+    let files = [("small.toml", SMALL_ON_LARGE), ("cube.obj", cube), ("ball.toml", SPHERE)];
+    let sandbox = Sandbox::with(&files);
+    let told = |input: &str| -> Vec<String> {
+        let options = format!("--against embree --tolerance 1e-2,1e-6 {QUICK} -o {input}.out");
+        sandbox.run(&format!("compare {input} {options}")).succeeded();
+        let report = String::from_utf8(sandbox.bytes(&format!("{input}.out/report.md"))).unwrap();
+        let before = report.lines().take_while(|line| !line.starts_with("## "));
+        before.filter(|line| line.starts_with("- ")).map(str::to_owned).collect()
+    };
+    let small = told("small.toml");
+    assert!(
+        small.len() == 1 && small[0].starts_with("- At 1e-2, 1 surface is smaller"),
+        "{small:?}"
+    );
+    let cube = told("cube.obj");
+    assert!(cube.len() == 1 && cube[0].starts_with("- 1 surface is only near what"), "{cube:?}");
+    assert!(told("ball.toml").is_empty());
+}
+
+/// What is small beside the rest is not lost by POV-Ray for its constants.
+#[test]
+fn povray_sees_small_things_in_large_scenes() {
+    if !povray() {
+        return;
+    }
+    let sandbox = Sandbox::with(&[("small.toml", SMALL_ON_LARGE)]);
+    let options = "--tolerance 1e-3 --size 120x80 --seconds 1e-6";
+    sandbox.run(&format!("compare small.toml --against povray {options} -o out")).succeeded();
+    let rows = rows(&String::from_utf8(sandbox.bytes("out/report.md")).unwrap());
+    assert_eq!(numbers(&rows, "pixels lost"), [0.0, 0.0]);
+    assert_eq!(numbers(&rows, "pixels invented"), [0.0, 0.0]);
+}
+
 #[test]
 fn reports_are_the_same_but_for_times() {
     if without_embree() {

@@ -5,6 +5,7 @@ use super::super::race::{Measurement, Model, Rival, RivalResult};
 use super::super::table::{count, short, short_bytes, three_digits, time};
 use super::errors::Errors;
 use super::folder::files_written;
+use super::remarks::remarks;
 use super::table::{NONE, Table, fraction};
 
 /// The errors of the triangles of one tolerance.
@@ -112,10 +113,11 @@ impl Report<'_> {
              {camera}, {width} x {height} pixels, one ray through the middle of each; on \
              {threads}. nurbray (kernel {kernel}) traces the {surfaces}, {rival} triangles that stay \
              within a tolerance of them. Tolerances are fractions of the diagonal of the bounding \
-             box, {diagonal}.\n\n![the picture]({PICTURE})\n\n\
+             box, {diagonal}.\n\n{}![the picture]({PICTURE})\n\n\
              ## What it costs\n\n{}\n![speed, memory and errors over the tolerance]({PLOT})\n\n\
              ## What it gets wrong\n\n{}\n## Where\n\n{}\n\
              ![what the colours mean]({LEGEND})\n\n{NOTES}{}",
+            remarks(model, self.rivals.iter().map(|rival| rival.tolerance)),
             self.costs(),
             self.errors(),
             self.pictures(),
