@@ -6,9 +6,7 @@ use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
 use super::grid_mesh::{MeshError, MeshPoint};
 use crate::geometry::trim::Trims;
-use crate::geometry::{
-    BasisDerivatives, Chart, ChartMap, Charts, Direction, KnotVector, NurbsSurface,
-};
+use crate::geometry::{BasisDerivatives, Chart, ChartMap, Direction, KnotVector, NurbsSurface};
 
 /// A part of a surface between creases: its first derivatives are continuous.
 #[derive(Clone, Debug)]
@@ -35,23 +33,25 @@ pub(super) struct Row {
 }
 
 impl Piece {
-    /// The pieces of a surface: each chart is cut at every knot whose multiplicity is the degree
-    /// or more.
+    /// The pieces of a chart, which is cut at every knot whose multiplicity is the degree or more:
+    /// strips of equal u one after another, each from low v to high v. Also returns the number of
+    /// pieces in a strip.
     ///
-    /// Neighbours then share the control points of their border, and so its vertices bit for bit;
-    /// but each has its own normals.
+    /// Neighbours share the control points of their border, and so its vertices bit for bit where
+    /// they are cut alike; but each has its own normals.
     ///
     /// # Errors
-    /// When a surface cannot be cut there.
-    pub(super) fn all(surface: &impl Charts) -> Result<Vec<Self>, MeshError> {
-        let mut pieces = Vec::new();
-        for Chart { surface, map, trims, .. } in surface.charts() {
-            for strip in cut(surface.into_owned(), Direction::U)? {
-                let cut = cut(strip, Direction::V)?.into_iter();
-                pieces.extend(cut.map(|surface| Self { surface, map, trims: trims.clone() }));
-            }
+    /// When the surface cannot be cut there.
+    pub(super) fn all(chart: Chart<'_>) -> Result<(Vec<Self>, usize), MeshError> {
+        let Chart { surface, map, trims, .. } = chart;
+        let (mut pieces, mut columns) = (Vec::new(), 0);
+        for strip in cut(surface.into_owned(), Direction::U)? {
+            let cut = cut(strip, Direction::V)?;
+            columns = cut.len();
+            let piece = |surface| Self { surface, map, trims: trims.clone() };
+            pieces.extend(cut.into_iter().map(piece));
         }
-        Ok(pieces)
+        Ok((pieces, columns))
     }
 
     pub(super) fn knots(&self, direction: Direction) -> &KnotVector {

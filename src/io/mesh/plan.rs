@@ -1,4 +1,6 @@
-//! Counts of cells for one smooth piece: estimated, measured, refined, carried out.
+//! Counts of cells for one chart: estimated, measured, refined, carried out.
+
+use std::ops::Range;
 
 use glam::DVec3;
 
@@ -6,9 +8,9 @@ use super::cut::Cutter;
 use super::grid_mesh::{GridMesh, MAX_GRID_SIDE, MeshError};
 use super::piece::{Piece, Row, Tangents};
 use crate::geometry::trim::{Side, UvBox};
-use crate::geometry::{BasisDerivatives, Direction, Span};
+use crate::geometry::{BasisDerivatives, Chart, Direction, Span};
 
-/// Points to measure on one piece, unless [`MIN_PROBES`] asks for more: about 10 ms of work.
+/// Points to measure on one chart, unless [`MIN_PROBES`] asks for more: about 10 ms of work.
 const SAMPLE_BUDGET: usize = 1 << 17;
 
 /// Cells measured along each side of a knot span, at least and at most. Odd, so that besides
@@ -23,15 +25,20 @@ const FRACTIONS: [f64; 5] = [0.0, 1.0 / 3.0, 0.5, 2.0 / 3.0, 1.0];
 /// A direction counts as a cause of a deviation if it contributes this share of it.
 const SHARE: f64 = 0.1;
 
-/// A piece and the number of cells for each of its knot spans along u and along v.
+/// A chart and the number of cells for each of its knot spans along u and along v.
+///
+/// Its pieces share these counts: neighbours then have the same vertices on their common border.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
-    piece: Piece,
+    /// The smooth pieces: strips of equal u one after another, each from low v to high v.
+    pieces: Vec<Piece>,
+    /// In each direction, the number of the first span of each row of pieces, and of all spans.
+    starts: [Vec<usize>; 2],
     spans: [Vec<Span>; 2],
     counts: [Vec<usize>; 2],
 }
 
-/// Largest distances between a piece and the triangles of its plan.
+/// Largest distances between a chart and the triangles of its plan.
 #[derive(Clone, Debug)]
 pub(super) struct Deviations {
     /// Along edges that run in u, and in v, for each span in that direction.
@@ -48,12 +55,34 @@ impl Deviations {
 
 impl Plan {
     /// A plan with `cells(degree)` cells for every span.
-    pub(super) fn new(piece: Piece, cells: impl Fn(usize) -> usize) -> Self {
-        let spans =
-            Direction::BOTH.map(|direction| piece.knots(direction).spans().collect::<Vec<_>>());
-        let count = Direction::BOTH.map(|direction| cells(piece.knots(direction).degree()).max(1));
+    ///
+    /// # Errors
+    /// When the chart cannot be cut into pieces.
+    pub(super) fn new(chart: Chart<'_>, cells: impl Fn(usize) -> usize) -> Result<Self, MeshError> {
+        let count = Direction::BOTH.map(|d| cells(chart.surface.knots(d).degree()).max(1));
+        let (pieces, columns) = Piece::all(chart)?;
+        let (mut starts, mut spans) = ([vec![0], vec![0]], [Vec::new(), Vec::new()]);
+        let firsts =
+            [pieces.iter().step_by(columns).collect(), pieces.iter().take(columns).collect()];
+        for (direction, firsts) in Direction::BOTH.into_iter().zip::<[Vec<&Piece>; 2]>(firsts) {
+            for piece in firsts {
+                spans[direction].extend(piece.knots(direction).spans());
+                starts[direction].push(spans[direction].len());
+            }
+        }
         let counts = [vec![count[0]; spans[0].len()], vec![count[1]; spans[1].len()]];
-        Self { piece, spans, counts }
+        Ok(Self { pieces, starts, spans, counts })
+    }
+
+    /// The pieces, each with the numbers of its spans along u and along v.
+    fn parts(&self) -> impl Iterator<Item = (&Piece, [Range<usize>; 2])> {
+        let [rows, columns] = self
+            .starts
+            .each_ref()
+            .map(|starts| starts.windows(2).map(|ends| ends[0]..ends[1]).collect::<Vec<_>>());
+        let width = columns.len();
+        let ranges = move |k: usize| [rows[k / width].clone(), columns[k % width].clone()];
+        self.pieces.iter().enumerate().map(move |(k, piece)| (piece, ranges(k)))
     }
 
     /// Sets the counts from the deviation with the present ones; it falls with their square.
@@ -124,19 +153,30 @@ impl Plan {
             let (rows, columns) = (most(&self.counts[0]), most(&self.counts[1]));
             return Err(MeshError::GridSides { rows, columns });
         }
-        let [us, vs] = Direction::BOTH.map(|direction| self.parameters(direction));
-        let vertices = self.piece.lattice(&us, &vs);
-        let cutter = match &self.piece.trims {
+        self.parts().try_for_each(|(piece, spans)| self.carry_out_one(piece, spans, distance, mesh))
+    }
+
+    /// Adds the grids of one piece.
+    fn carry_out_one(
+        &self,
+        piece: &Piece,
+        spans: [Range<usize>; 2],
+        distance: f64,
+        mesh: &mut GridMesh,
+    ) -> Result<(), MeshError> {
+        let [us, vs] = self.parameters(&spans);
+        let vertices = piece.lattice(&us, &vs);
+        let cutter = match &piece.trims {
             None => None,
             Some(trims) => {
-                let tolerance = distance / self.speed().max(f64::MIN_POSITIVE);
-                Some(Cutter::new(&self.piece, trims, (&us, &vs, &vertices), tolerance)?)
+                let tolerance = distance / speed(piece).max(f64::MIN_POSITIVE);
+                Some(Cutter::new(piece, trims, (&us, &vs, &vertices), tolerance)?)
             }
         };
         let mut top = 0;
-        for &rows in &self.counts[0] {
+        for &rows in &self.counts[0][spans[0].clone()] {
             let mut left = 0;
-            for &columns in &self.counts[1] {
+            for &columns in &self.counts[1][spans[1].clone()] {
                 match &cutter {
                     Some(cutter) => {
                         cutter.carry_out(top..top + rows, left..left + columns, mesh)?;
@@ -152,49 +192,36 @@ impl Plan {
         Ok(())
     }
 
-    /// All parameters of vertices in one direction.
-    fn parameters(&self, direction: Direction) -> Vec<f64> {
-        let mut parameters = Vec::new();
-        for (span, &count) in self.spans[direction].iter().zip(&self.counts[direction]) {
-            parameters.extend((0..count).map(|k| at(span, k as f64 / count as f64)));
-        }
-        parameters.extend(self.spans[direction].last().map(|span| span.end));
-        parameters
-    }
-
-    /// The largest sampled speed of the surface: the length in space of a step of 1 in u or in v.
-    fn speed(&self) -> f64 {
-        let samples = Direction::BOTH.map(|direction| {
-            let knots = self.piece.knots(direction);
-            let spans = knots.spans().collect::<Vec<_>>();
-            let at = spans.iter().flat_map(|span| FRACTIONS.map(|share| at(span, share)));
-            at.map(|t| knots.basis_derivatives(t)).collect::<Vec<_>>()
-        });
-        let rows = samples[0].iter().map(|basis| self.piece.row(basis));
-        let speeds = rows.flat_map(|row| {
-            let speed = |basis: &BasisDerivatives| {
-                let Tangents { du, dv, .. } = self.piece.tangents(&row, basis);
-                du.length().max(dv.length())
-            };
-            samples[1].iter().map(speed).collect::<Vec<_>>()
-        });
-        speeds.fold(0.0, f64::max)
+    /// All parameters of vertices on some spans in each direction.
+    fn parameters(&self, spans: &[Range<usize>; 2]) -> [Vec<f64>; 2] {
+        Direction::BOTH.map(|direction| {
+            let range = spans[direction].clone();
+            let spans = &self.spans[direction][range.clone()];
+            let mut parameters = Vec::new();
+            for (span, &count) in spans.iter().zip(&self.counts[direction][range]) {
+                parameters.extend((0..count).map(|k| at(span, k as f64 / count as f64)));
+            }
+            parameters.extend(spans.last().map(|span| span.end));
+            parameters
+        })
     }
 
     /// The smallest and largest coordinates of the vertices that are kept, and of the ends of
     /// trim edges.
     pub(super) fn bounds(&self) -> (DVec3, DVec3) {
-        let [us, vs] = Direction::BOTH.map(|direction| self.parameters(direction));
-        let mut vertices = self.piece.lattice(&us, &vs);
-        if let Some(trims) = &self.piece.trims {
-            vertices.retain(|vertex| trims.contains(vertex.uv) != Side::Outside);
-            let domain = UvBox::new([us[0], us[us.len() - 1]], [vs[0], vs[vs.len() - 1]]);
-            let joints = trims.joints().filter(|joint| domain.holds(*joint));
-            vertices.extend(joints.map(|joint| self.piece.point(joint)));
-        }
         let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        vertices.iter().fold(nothing, |(low, high), vertex| {
-            (low.min(vertex.position), high.max(vertex.position))
+        self.parts().fold(nothing, |bounds, (piece, spans)| {
+            let [us, vs] = self.parameters(&spans);
+            let mut vertices = piece.lattice(&us, &vs);
+            if let Some(trims) = &piece.trims {
+                vertices.retain(|vertex| trims.contains(vertex.uv) != Side::Outside);
+                let domain = UvBox::new([us[0], us[us.len() - 1]], [vs[0], vs[vs.len() - 1]]);
+                let joints = trims.joints().filter(|joint| domain.holds(*joint));
+                vertices.extend(joints.map(|joint| piece.point(joint)));
+            }
+            vertices.iter().fold(bounds, |(low, high), vertex| {
+                (low.min(vertex.position), high.max(vertex.position))
+            })
         })
     }
 
@@ -207,11 +234,27 @@ impl Plan {
             along: [vec![0.0; rows], vec![0.0; columns]],
             total: vec![0.0; rows * columns],
         };
-        let cells_v = self.cells(Direction::V, probes);
-        for cell_u in self.cells(Direction::U, probes) {
-            let sampled = cell_u.basis.each_ref().map(|basis| self.piece.row(basis));
+        for (piece, [rows, columns]) in self.parts() {
+            self.measure_one(piece, [rows, columns], probes, &mut found);
+        }
+        found
+    }
+
+    /// Adds the deviations of one piece.
+    fn measure_one(
+        &self,
+        piece: &Piece,
+        spans: [Range<usize>; 2],
+        probes: usize,
+        found: &mut Deviations,
+    ) {
+        let columns = self.spans[1].len();
+        let [spans_u, spans_v] = spans;
+        let cells_v = self.cells(piece, Direction::V, spans_v, probes);
+        for cell_u in self.cells(piece, Direction::U, spans_u, probes) {
+            let sampled = cell_u.basis.each_ref().map(|basis| piece.row(basis));
             for cell_v in &cells_v {
-                let cell = Cell::new(&self.piece, [&cell_u, cell_v], &sampled);
+                let cell = Cell::new(piece, [&cell_u, cell_v], &sampled);
                 let (along_u, along_v, inside) = cell.deviations();
                 let grow = |found: &mut f64, value: f64| *found = found.max(value);
                 grow(&mut found.along[0][cell_u.span], along_u);
@@ -220,15 +263,21 @@ impl Plan {
                 grow(total, along_u.max(along_v).max(inside));
             }
         }
-        found
     }
 
-    /// Cells to measure along one direction, at most `probes` a span.
-    fn cells(&self, direction: Direction, probes: usize) -> Vec<CellSide> {
-        let knots = self.piece.knots(direction);
+    /// Cells of a piece to measure along one direction, at most `probes` a span.
+    fn cells(
+        &self,
+        piece: &Piece,
+        direction: Direction,
+        spans: Range<usize>,
+        probes: usize,
+    ) -> Vec<CellSide> {
+        let knots = piece.knots(direction);
         let (start, end) = knots.domain();
         let mut sides = Vec::new();
-        for (number, span) in self.spans[direction].iter().enumerate() {
+        for number in spans {
+            let span = &self.spans[direction][number];
             let count = self.counts[direction][number];
             let taken = probes.min(count);
             for k in 0..taken {
@@ -244,6 +293,25 @@ impl Plan {
         }
         sides
     }
+}
+
+/// The largest sampled speed of a piece: the length in space of a step of 1 in u or in v.
+fn speed(piece: &Piece) -> f64 {
+    let samples = Direction::BOTH.map(|direction| {
+        let knots = piece.knots(direction);
+        let spans = knots.spans().collect::<Vec<_>>();
+        let at = spans.iter().flat_map(|span| FRACTIONS.map(|share| at(span, share)));
+        at.map(|t| knots.basis_derivatives(t)).collect::<Vec<_>>()
+    });
+    let rows = samples[0].iter().map(|basis| piece.row(basis));
+    let speeds = rows.flat_map(|row| {
+        let speed = |basis: &BasisDerivatives| {
+            let Tangents { du, dv, .. } = piece.tangents(&row, basis);
+            du.length().max(dv.length())
+        };
+        samples[1].iter().map(speed).collect::<Vec<_>>()
+    });
+    speeds.fold(0.0, f64::max)
 }
 
 /// One side of a cell: its span, whether its ends are ends of the piece, and the basis

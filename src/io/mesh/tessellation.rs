@@ -3,7 +3,6 @@
 use glam::DVec3;
 
 use super::grid_mesh::{GridMesh, MAX_GRID_SIDE, MAX_VERTICES, MeshError};
-use super::piece::Piece;
 use super::plan::Plan;
 use crate::geometry::Charts;
 
@@ -43,7 +42,7 @@ impl TessellationPlan {
 
     /// Plans to cut surfaces so finely that their distance from their triangles stays within
     /// `fraction` of the diagonal of their common bounding box. Each row and each column of knot
-    /// spans has a count of its own. The distance is checked by sampling: see
+    /// spans of a chart has a count of its own. The distance is checked by sampling: see
     /// [`Tessellation::deviation`].
     ///
     /// # Errors
@@ -122,8 +121,9 @@ impl TessellationPlan {
 /// along chords of the trim curves into trapezoids, each a grid of two triangles; the chords are as
 /// near to the curves as the triangles are to the surface.
 ///
-/// Within a surface neighbouring grids share the vertices of their borders, bit for bit.
-/// Between surfaces they do so if the counts agree, as [`Tessellation::with_cells`] makes
+/// Within a surface neighbouring grids share the vertices of their borders, bit for bit, also where
+/// smooth pieces meet and across seams. Between surfaces, and between the patches of a triangular
+/// or subdivision surface, they do so if the counts agree, as [`Tessellation::with_cells`] makes
 /// them; otherwise gaps as wide as the deviation may open.
 #[derive(Clone, Debug)]
 pub struct Tessellation {
@@ -174,15 +174,16 @@ impl Tessellation {
     }
 }
 
-/// The plans of all pieces, each with the number of the surface it belongs to.
+/// The plans of all charts, each with the number of the surface it belongs to.
 fn plans(
     surfaces: &[impl Charts],
     cells: impl Fn(usize) -> usize,
 ) -> Result<Vec<(usize, Plan)>, MeshError> {
     let mut plans = Vec::new();
     for (number, surface) in surfaces.iter().enumerate() {
-        let pieces = Piece::all(surface)?;
-        plans.extend(pieces.into_iter().map(|piece| (number, Plan::new(piece, &cells))));
+        for chart in surface.charts() {
+            plans.push((number, Plan::new(chart, &cells)?));
+        }
     }
     Ok(plans)
 }
@@ -204,6 +205,8 @@ fn diagonal(plans: &[(usize, Plan)]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashMap;
+
     use glam::DVec2;
 
     use super::*;
@@ -361,32 +364,61 @@ mod tests {
         }
     }
 
-    #[test]
-    fn neighbouring_grids_share_their_borders_bit_for_bit() {
-        let surfaces = [shapes::sphere(1.0).unwrap(), shapes::torus(2.0, 0.7).unwrap(), wavy()];
-        for surface in surfaces {
-            let made = Tessellation::to_tolerance(std::slice::from_ref(&surface), 1e-3).unwrap();
-            let mesh = &made.meshes()[0];
-            let mut borders = Vec::new();
-            for grid in mesh.grids() {
-                let (rows, columns) = (usize::from(grid.rows()), usize::from(grid.columns()));
-                let vertex = |i: usize, j: usize| {
-                    let position = mesh.positions()[grid.first() as usize + i * columns + j];
-                    position.to_array().map(f64::to_bits)
-                };
-                let row = |i: usize| (0..columns).map(|j| vertex(i, j)).collect::<Vec<_>>();
-                let column = |j: usize| (0..rows).map(|i| vertex(i, j)).collect::<Vec<_>>();
-                borders.push([row(0), column(0), row(rows - 1), column(columns - 1)]);
+    /// The ends of all edges that belong to one triangle only, as parameters. Edges are the same if
+    /// their ends have the same positions, bit for bit.
+    fn open_edges(mesh: &GridMesh) -> Vec<[DVec2; 2]> {
+        let mut edges = HashMap::new();
+        for corners in mesh.triangles() {
+            let [a, b, c] = corners.map(|corner| corner as usize);
+            for ends in [[a, b], [b, c], [c, a]] {
+                let bits = |k: usize| (mesh.positions()[k] + 0.0).to_array().map(f64::to_bits);
+                let mut key = ends.map(bits);
+                key.sort_unstable();
+                if key[0] != key[1] {
+                    let (times, _) = edges.entry(key).or_insert((0, ends.map(|k| mesh.uv()[k])));
+                    *times += 1;
+                }
             }
-            // Each inner border is the end of one grid and the beginning of another.
-            let ends = borders.iter().flat_map(|borders| &borders[2..]);
-            let begin = |end: &Vec<[u64; 3]>| borders.iter().any(|b| b[0] == *end || b[1] == *end);
-            let shared = ends.filter(|end| begin(end)).count();
-            let [spans_u, spans_v] =
-                [surface.knots_u(), surface.knots_v()].map(|knots| knots.spans().count());
-            let inner = (spans_u - 1) * spans_v + spans_u * (spans_v - 1);
-            assert!(shared >= inner, "{shared} of {inner}");
         }
+        edges.into_values().filter(|(times, _)| *times == 1).map(|(_, ends)| ends).collect()
+    }
+
+    #[test]
+    fn surfaces_have_no_gaps_inside_and_none_at_their_seams() {
+        let closed = [
+            shapes::sphere(1.0).unwrap(),
+            shapes::torus(1.0, 0.35).unwrap(),
+            shapes::torus(2.0, 1.7).unwrap(),
+        ];
+        for fraction in [1e-2, 1e-3, 1e-4] {
+            for made in closed.each_ref().map(std::slice::from_ref) {
+                let made = Tessellation::to_tolerance(made, fraction).unwrap();
+                assert_eq!(open_edges(&made.meshes()[0]).len(), 0);
+            }
+            for surface in [wavy(), creased()] {
+                let [u, v] = surface.domain();
+                let made = Tessellation::to_tolerance(&[surface], fraction).unwrap();
+                for [a, b] in open_edges(&made.meshes()[0]) {
+                    let at = |(start, end), a, b| a == b && (a == start || a == end);
+                    assert!(at(u, a.x, b.x) || at(v, a.y, b.y), "{fraction}: {a} to {b}");
+                }
+            }
+        }
+    }
+
+    /// A bicubic surface with single, double and triple knots in both directions, more wavy in
+    /// some parts than in others.
+    fn creased() -> NurbsSurface {
+        let knots = || {
+            let knots = [(0.0, 4), (1.0, 3), (1.5, 1), (2.0, 2), (3.0, 3), (4.0, 4)];
+            KnotVector::with_multiplicities(3, &knots).unwrap()
+        };
+        let count = knots().point_count() as i32;
+        let points = (0..count * count).map(|k| {
+            let (x, y) = (f64::from(k / count), f64::from(k % count));
+            DVec3::new(x, y, (0.2 * x * x).sin() * (1.0 + (0.1 * y * y).cos()))
+        });
+        NurbsSurface::new(knots(), knots(), points.collect(), None).unwrap()
     }
 
     fn wavy() -> NurbsSurface {
