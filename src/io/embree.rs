@@ -23,7 +23,7 @@ use std::{env, ptr};
 use libloading::Library;
 
 use super::embree_error::{EmbreeError, OVERRIDE, first_usable};
-use super::embree_rays::{EmbreeRays, PacketWidth, Packets};
+use super::embree_rays::{EmbreePrimitive, EmbreeRays, PacketWidth, Packets, geometry_id};
 use super::mesh::GridMesh;
 use crate::intersect::Coherence;
 use crate::math::{Aabb, Ray};
@@ -31,15 +31,6 @@ use crate::patch::ScaledFrame;
 
 /// Library names to try, newest first; the plain names are those of development packages.
 const NAMES: [&str; 4] = ["libembree4.so.4", "libembree3.so.3", "libembree4.so", "libembree3.so"];
-
-/// How meshes are given to Embree.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EmbreePrimitive {
-    /// `RTC_GEOMETRY_TYPE_GRID`, one grid a knot span: Embree's compact form.
-    Grid,
-    /// `RTC_GEOMETRY_TYPE_TRIANGLE`, two triangles a cell, as [`GridMesh::triangles`] lists them.
-    Triangle,
-}
 
 // Embree's handles are pointers to types of its own. Pointers to `c_void` stand for them and
 // for every structure passed; all pointers are passed alike.
@@ -55,7 +46,8 @@ type SetFlags = unsafe extern "C" fn(Handle, i32);
 type NewGeometry = unsafe extern "C" fn(Handle, i32) -> Handle;
 /// Geometry, buffer type, slot, format, bytes an item, items.
 type NewBuffer = unsafe extern "C" fn(Handle, i32, u32, i32, usize, usize) -> *mut c_void;
-type Attach = unsafe extern "C" fn(Handle, Handle) -> u32;
+/// Scene, geometry, the number it gets.
+type Attach = unsafe extern "C" fn(Handle, Handle, u32);
 /// `rtcIntersect1` and `rtcOccluded1`.
 /// Version 3 takes (scene, context, rays), version 4 (scene, rays, arguments).
 type Single = unsafe extern "C" fn(Handle, *mut c_void, *mut c_void);
@@ -159,7 +151,7 @@ impl Functions {
                 new_geometry: symbol(library, "rtcNewGeometry")?,
                 new_buffer: symbol(library, "rtcSetNewGeometryBuffer")?,
                 commit_geometry: symbol(library, "rtcCommitGeometry")?,
-                attach_geometry: symbol(library, "rtcAttachGeometry")?,
+                attach_geometry: symbol(library, "rtcAttachGeometryByID")?,
                 release_geometry: symbol(library, "rtcReleaseGeometry")?,
                 intersect: Query {
                     one: symbol(library, "rtcIntersect1")?,
@@ -335,8 +327,8 @@ impl Embree {
         let scene = EmbreeScene { handle, frame, device: Arc::clone(&self.device) };
         // SAFETY: the scene is open.
         unsafe { (functions.set_scene_flags)(handle, ROBUST) };
-        for mesh in meshes {
-            scene.attach(mesh, primitive)?;
+        for (number, mesh) in (0..).zip(meshes) {
+            scene.attach_all(mesh, primitive, number)?;
         }
         // SAFETY: the scene is open, and nothing else uses it yet.
         unsafe { (functions.commit_scene)(handle) };
@@ -367,39 +359,77 @@ impl Drop for EmbreeScene {
 }
 
 impl EmbreeScene {
-    /// Copies a mesh into a new geometry of the scene.
-    fn attach(&self, mesh: &GridMesh, primitive: EmbreePrimitive) -> Result<(), EmbreeError> {
+    /// Copies a mesh into new geometries of the scene. Each gets the vertices that it uses.
+    fn attach_all(
+        &self,
+        mesh: &GridMesh,
+        primitive: EmbreePrimitive,
+        number: u32,
+    ) -> Result<(), EmbreeError> {
+        let vertex = |at: usize| self.frame.scaled(mesh.positions()[at]).as_vec3().to_array();
+        if primitive == EmbreePrimitive::Triangle {
+            let vertices = (0..mesh.positions().len()).map(vertex);
+            let id = geometry_id(number, primitive);
+            let items = ((INDEX_BUFFER, UINT3), mesh.triangles());
+            return self.attach(TRIANGLE_GEOMETRY, id, vertices, items);
+        }
+        if !mesh.grids().is_empty() {
+            let (mut vertices, mut grids) = (Vec::new(), Vec::new());
+            for grid in mesh.grids() {
+                let (first, columns, rows) = (grid.first(), grid.columns(), grid.rows());
+                grids.push(RtcGrid {
+                    first_vertex: vertices.len() as u32,
+                    row_stride: u32::from(columns),
+                    width: columns,
+                    height: rows,
+                });
+                let count = usize::from(columns) * usize::from(rows);
+                vertices.extend((first as usize..).take(count).map(vertex));
+            }
+            let id = geometry_id(number, EmbreePrimitive::Grid);
+            let items = ((GRID_BUFFER, GRID), grids.into_iter());
+            self.attach(GRID_GEOMETRY, id, vertices.into_iter(), items)?;
+        }
+        if !mesh.faces().is_empty() {
+            let mut numbers = vec![u32::MAX; mesh.positions().len()];
+            let mut vertices = Vec::new();
+            let mut renumbered = |corner: u32| {
+                let number = &mut numbers[corner as usize];
+                if *number == u32::MAX {
+                    *number = vertices.len() as u32;
+                    vertices.push(vertex(corner as usize));
+                }
+                *number
+            };
+            let faces: Vec<_> = mesh.faces().iter().map(|face| face.map(&mut renumbered)).collect();
+            let id = geometry_id(number, EmbreePrimitive::Triangle);
+            let items = ((INDEX_BUFFER, UINT3), faces.into_iter());
+            self.attach(TRIANGLE_GEOMETRY, id, vertices.into_iter(), items)?;
+        }
+        Ok(())
+    }
+
+    /// Makes a new geometry of the scene from vertices and what they are vertices of.
+    fn attach<T: Copy>(
+        &self,
+        kind: i32,
+        id: u32,
+        vertices: impl Iterator<Item = [f32; 3]>,
+        (buffer, items): ((i32, i32), impl Iterator<Item = T>),
+    ) -> Result<(), EmbreeError> {
         let functions = &self.device.functions;
-        let kind = match primitive {
-            EmbreePrimitive::Grid => GRID_GEOMETRY,
-            EmbreePrimitive::Triangle => TRIANGLE_GEOMETRY,
-        };
         // SAFETY: the device is open.
         let geometry = unsafe { (functions.new_geometry)(self.device.handle, kind) };
         self.device.check("create a geometry")?;
 
-        let vertices = mesh.positions().iter().map(|&point| self.frame.scaled(point).as_vec3());
-        let filled = self.fill(geometry, (VERTEX_BUFFER, FLOAT3), vertices.map(|p| p.to_array()));
-        let filled = filled.and_then(|()| match primitive {
-            EmbreePrimitive::Grid => {
-                let grids = mesh.grids().iter().map(|grid| RtcGrid {
-                    first_vertex: grid.first(),
-                    row_stride: u32::from(grid.columns()),
-                    width: grid.columns(),
-                    height: grid.rows(),
-                });
-                self.fill(geometry, (GRID_BUFFER, GRID), grids)
-            }
-            EmbreePrimitive::Triangle => {
-                self.fill(geometry, (INDEX_BUFFER, UINT3), mesh.triangles())
-            }
-        });
+        let filled = self.fill(geometry, (VERTEX_BUFFER, FLOAT3), vertices);
+        let filled = filled.and_then(|()| self.fill(geometry, buffer, items));
 
         // SAFETY: geometry and scene are open; the scene keeps the geometry, we let go of it.
         unsafe {
             if filled.is_ok() {
                 (functions.commit_geometry)(geometry);
-                (functions.attach_geometry)(self.handle, geometry);
+                (functions.attach_geometry)(self.handle, geometry, id);
             }
             (functions.release_geometry)(geometry);
         }

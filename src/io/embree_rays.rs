@@ -6,6 +6,17 @@ use crate::intersect::Coherence;
 use crate::math::{Ray, rounding};
 use crate::patch::ScaledFrame;
 
+/// How meshes are given to Embree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EmbreePrimitive {
+    /// `RTC_GEOMETRY_TYPE_GRID`, Embree's compact form, and `RTC_GEOMETRY_TYPE_TRIANGLE` for the
+    /// faces of a mesh, which belong to no grid.
+    Grid,
+    /// `RTC_GEOMETRY_TYPE_TRIANGLE`, two triangles a cell, as
+    /// [`GridMesh::triangles`](super::mesh::GridMesh::triangles) lists them.
+    Triangle,
+}
+
 /// How many rays Embree is given at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PacketWidth {
@@ -24,7 +35,9 @@ pub struct EmbreeHit {
     pub t: f64,
     /// Which mesh of the scene.
     pub mesh: u32,
-    /// Which grid, or which triangle, of the mesh.
+    /// Whether a grid was hit or a triangle: of a mesh given as grids, a face.
+    pub kind: EmbreePrimitive,
+    /// Which grid, or which triangle or face, of the mesh.
     pub primitive: u32,
     /// On a grid: the place along the rows' and the columns' direction, each from 0 to 1.
     /// On a triangle: the barycentric coordinates of its second and third corner.
@@ -64,6 +77,17 @@ pub(super) struct RayHit<const N: usize> {
     pub(super) valid: [i32; N],
     /// The end of the range as given, so that a query can be repeated.
     limit: [f32; N],
+}
+
+/// The number of a mesh's geometry of this kind: each mesh may have one of each.
+pub(super) fn geometry_id(mesh: u32, kind: EmbreePrimitive) -> u32 {
+    2 * mesh + u32::from(kind == EmbreePrimitive::Triangle)
+}
+
+/// The mesh and the kind that a geometry's number tells.
+fn of_geometry(id: u32) -> (u32, EmbreePrimitive) {
+    let kind = if id % 2 == 1 { EmbreePrimitive::Triangle } else { EmbreePrimitive::Grid };
+    (id / 2, kind)
 }
 
 /// `RTC_INVALID_GEOMETRY_ID`: nothing hit.
@@ -112,12 +136,16 @@ impl<const N: usize> RayHit<N> {
 
     fn hits(&self) -> impl Iterator<Item = Option<EmbreeHit>> {
         self.lanes().map(|lane| {
-            (self.geometry[lane] != NOTHING).then(|| EmbreeHit {
-                t: f64::from(self.t_far[lane]),
-                mesh: self.geometry[lane],
-                primitive: self.primitive[lane],
-                place: DVec2::new(f64::from(self.u[lane]), f64::from(self.v[lane])),
-                geometric_normal: Vec3::from_array(self.normal.map(|row| row[lane])).as_dvec3(),
+            (self.geometry[lane] != NOTHING).then(|| {
+                let (mesh, kind) = of_geometry(self.geometry[lane]);
+                EmbreeHit {
+                    t: f64::from(self.t_far[lane]),
+                    mesh,
+                    kind,
+                    primitive: self.primitive[lane],
+                    place: DVec2::new(f64::from(self.u[lane]), f64::from(self.v[lane])),
+                    geometric_normal: Vec3::from_array(self.normal.map(|row| row[lane])).as_dvec3(),
+                }
             })
         })
     }
@@ -273,7 +301,7 @@ mod tests {
 
     #[test]
     fn rays_keep_their_bits_at_every_scale() {
-        let (origin, direction) = (DVec3::new(0.3, -0.7, 5.0), DVec3::new(0.1, 0.2, -0.9));
+        let (origin, direction) = (DVec3::new(0.3, -0.7, 2.5), DVec3::new(0.1, 0.2, -0.9));
         let framed = |size: f64, length: f64| {
             let frame = ScaledFrame { center: DVec3::ZERO, scale: 1.0 / size };
             let range = [0.5, 3.0].map(|t| t * size / length);

@@ -67,11 +67,11 @@ pub use atomic::{
     StagedFile, WriteError, check_writable, put_all_in_place, stage, write_atomically,
 };
 #[cfg(feature = "embree")]
-pub use embree::{Embree, EmbreePrimitive, EmbreeScene};
+pub use embree::{Embree, EmbreeScene};
 #[cfg(feature = "embree")]
 pub use embree_error::EmbreeError;
 #[cfg(feature = "embree")]
-pub use embree_rays::{EmbreeHit, EmbreeRays, PacketWidth};
+pub use embree_rays::{EmbreeHit, EmbreePrimitive, EmbreeRays, PacketWidth};
 pub use exr::{ExrNotes, ExrPrecision, stage_exr, write_exr, write_exr_to};
 pub use geomdl::{Model, read_geomdl};
 pub use load::load_input;

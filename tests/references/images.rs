@@ -43,7 +43,12 @@ pub(crate) fn meshed(embree: &Embree, tessellation: &Tessellation, rays: &[Ray])
     let seen = batch.hits().into_iter().map(|hit| {
         hit.map(|hit| {
             let mesh = &meshes[hit.mesh as usize];
-            let point = mesh.at_grid(hit.primitive as usize, hit.place);
+            let point = match hit.kind {
+                EmbreePrimitive::Grid => mesh.at_grid(hit.primitive as usize, hit.place),
+                EmbreePrimitive::Triangle => {
+                    mesh.at_triangle(mesh.faces()[hit.primitive as usize], hit.place)
+                }
+            };
             Seen { depth: hit.t, normal: point.normal, surface: hit.mesh }
         })
     });

@@ -108,11 +108,14 @@ Bytes a Bezier patch: everything that tracing needs, divided by the number of
 patches that the surfaces are cut into at their knots (a triangular patch is
 three of these; trims and the hierarchy count, too).
 
---against embree: RTC_GEOMETRY_TYPE_GRID, a grid a knot span, with flag ROBUST;
+--against embree: RTC_GEOMETRY_TYPE_GRID, a grid a smooth piece, with flag ROBUST;
 libembree4 or libembree3, or the library named by EMBREE_LIB. Every knot span is
 cut evenly, as often as is needed for the sampled distance between surface and
-triangles to stay within tolerance x diagonal; cells that trims cut become
-trapezoids, grids of their own, along chords equally near to the trim curves.
+triangles to stay within tolerance x diagonal, and as often as its neighbours in
+the same row or column, so that no gaps open inside a surface. Cells that trims
+cut become RTC_GEOMETRY_TYPE_TRIANGLE, a Delaunay triangulation with chords that
+are equally near to the trim curves. nurbray evaluates the vertices, their
+positions only, on one thread; Embree copies them and builds its hierarchy.
 rtcIntersect1 (rtcOccluded1) for single rays; else the fastest of 1, 8 and 16.
 Triangles and rays are moved to the middle of the bounding box and scaled by a
 power of two to a size between 1 and 2, which suits Embree's constants best.
@@ -134,8 +137,8 @@ and with a rival:
   rival_plan_seconds
                   to find out how often to cut; part of no other figure
   rival_build_seconds
-                  to make the vertices (on one thread), fill the buffers,
-                  rtcCommitScene
+                  to make the vertices (by nurbray, on one thread), fill the
+                  buffers, rtcCommitScene
   rival_commit_seconds
                   the last two of these
   rival_total_seconds
@@ -274,8 +277,6 @@ primitives of POV-Ray, too; the first twelve for each reason are named. DIR gets
 
 The rival is given its best case: its scene is moved to the middle of the
 model's bounding box and scaled by a power of two, to a size between 1 and 2.
-(Not so where many trim curves cut one cell of the tessellation: a plane with a
-thousand holes gets far more triangles than it needs.)
 Rays whose own answer nurbray flags as doubtful are left out and counted. The
 report lists the files written with it; other files in DIR stay. All are written
 at the end, the report last. Without POV-Ray the command fails, but leaves the

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 
 use nurbray::intersect::Kernel;
-use nurbray::io::mesh::GridMesh;
+use nurbray::io::mesh::{GridMesh, TessellationPlan};
 use nurbray::io::{Embree, PacketWidth, write_png};
 use nurbray::render::{Film, RenderSettings, render};
 use nurbray::scene::World;
@@ -42,8 +42,8 @@ struct Race {
     size: [u32; 2],
     rays: Rays,
     rivals: Vec<Rival>,
-    /// What the rivals were made of.
-    meshes: Vec<Vec<GridMesh>>,
+    /// How the rivals were made.
+    plans: Vec<TessellationPlan>,
     measured: Measurement,
 }
 
@@ -65,8 +65,9 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let compared = Compared { model, rays, size: *size, ours: &ours };
     let mut findings = Vec::new();
     let mut pictures = Vec::new();
-    for (done, (rival, meshes)) in (3..).zip(race.rivals.iter().zip(&race.meshes)) {
-        let (found, drawn) = compared.look(rival, meshes);
+    for (done, (rival, plan)) in (3..).zip(race.rivals.iter().zip(&race.plans)) {
+        let meshes = plan.detailed_meshes().or_failed()?;
+        let (found, drawn) = compared.look(rival, &meshes);
         findings.push(found);
         pictures.push(drawn);
         progress.set(done, 0);
@@ -105,17 +106,17 @@ impl Race {
         let size = super::size(&model.world)?;
         let rays = Rays::new(RaySet::Primary, &model, size);
         let mut rivals = Vec::new();
-        let mut meshes = Vec::new();
+        let mut plans = Vec::new();
         for tolerance in arguments.tolerances() {
-            let (rival, mesh) = Rival::build(embree, &model, tolerance, budget)?;
+            let (rival, plan) = Rival::build(embree, &model, tolerance, budget)?;
             rivals.push(rival);
-            meshes.push(mesh);
+            plans.push(plan);
         }
         progress.set(1, 0);
         let kernels = [Kernel::default()];
         let measured = Measurement::new(&model, &kernels, &rivals, &rays, arguments.seconds);
         progress.set(2, 0);
-        Ok(Self { model, size, rays, rivals, meshes, measured })
+        Ok(Self { model, size, rays, rivals, plans, measured })
     }
 }
 

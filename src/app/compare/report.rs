@@ -51,11 +51,14 @@ const NOTES: &str = "\
   handed over moved to the middle of the bounding box and scaled by a power of two, to a size
   between 1 and 2: its best case.
 - **Tolerance**: how far triangles may be from the surface, as a fraction of the diagonal of the
-  model's bounding box. Every knot span is cut evenly, as often as the sampled distance demands.
-- **Build**: from the placed surfaces to ready. For triangles: to make the vertices, and Embree's
-  hierarchy; not the search for how finely to cut, which takes longer.
-- **Memory**: everything tracing needs. Of the triangles, vertices and hierarchy; normals and (u, v)
-  would come on top.
+  model's bounding box. Every knot span is cut evenly, as often as the sampled distance demands,
+  alike along each row and column of spans, so that no gaps open inside a surface. What trims keep
+  of a cell is triangulated with chords as near to the trim curves.
+- **Build**: from the placed surfaces to ready. For triangles: nurbray evaluates the vertices, on
+  one thread and their positions only, and Embree builds its hierarchy; not the search for how
+  finely to cut, which may take longer.
+- **Memory**: everything tracing needs. Of the triangles, vertices and hierarchy; normals and
+  (u, v), which are made for the errors below, would come on top.
 - **Position error**: how far apart both hits are *along the ray* (what a depth buffer sees), and how
   far the triangle's hit is *off the tangent plane* of the surface at ours, as fractions of the diagonal.
   Where the surface bends away from that plane, that is more than how far the hit is from the surface,

@@ -1,11 +1,11 @@
-//! The rival's side of a race: Embree, on grids of triangles.
+//! The rival's side of a race: Embree, on grids of triangles, and triangles alone beside trims.
 
 use std::time::Duration;
 
 use anyhow::Context;
 use glam::DVec3;
 use nurbray::intersect::{Coherence, Query};
-use nurbray::io::mesh::{GridMesh, MeshError, TessellationPlan};
+use nurbray::io::mesh::{MeshError, TessellationPlan};
 use nurbray::io::{Embree, EmbreeHit, EmbreePrimitive, EmbreeRays, EmbreeScene, PacketWidth};
 use nurbray::math::Ray;
 use rayon::prelude::*;
@@ -40,18 +40,18 @@ pub(crate) struct Rival {
     pub(crate) triangles: usize,
     /// Seconds to find out how finely to cut.
     pub(crate) plan_seconds: f64,
-    /// Seconds to make the vertices, fill the buffers and commit the scene.
+    /// Seconds to make the vertices on one thread, fill the buffers and commit the scene.
     pub(crate) build_seconds: f64,
     /// Seconds to fill the buffers and commit the scene.
     pub(crate) commit_seconds: f64,
-    /// Memory of vertices, grids and hierarchy.
+    /// Memory of vertices, grids, faces and hierarchy.
     pub(crate) bytes: usize,
 }
 
 impl Rival {
     /// Tessellates the surfaces of a model to within `tolerance`, a fraction of its diagonal, and
-    /// builds the hierarchy, again and again for about as long as `budget`. Also returns the
-    /// meshes, which no ray needs any more.
+    /// builds the hierarchy, again and again for about as long as `budget`. Vertices have positions
+    /// only: Embree needs no more. Also returns the plan, from which their normals can be made.
     ///
     /// # Errors
     /// When the mesh becomes too large.
@@ -60,7 +60,7 @@ impl Rival {
         model: &Model,
         tolerance: f64,
         budget: Duration,
-    ) -> Result<(Self, Vec<GridMesh>), Failure> {
+    ) -> Result<(Self, TessellationPlan), Failure> {
         let context = || format!("tolerance {tolerance:e}");
         let distance = tolerance * model.diagonal;
         let (plan, plan_seconds) = repeat(budget, || {
@@ -83,7 +83,7 @@ impl Rival {
             commit_seconds,
             bytes: embree.bytes().saturating_sub(others),
         };
-        Ok((rival, meshes))
+        Ok((rival, plan))
     }
 
     /// Makes rays ready, in packets of the width that suits them best.

@@ -1,186 +1,348 @@
-//! The cells of a piece that trims keep, as grids: whole cells, and the kept part of cut cells as
-//! trapezoids.
+//! The part of a piece that trims keep: cells kept whole as grids, cut cells as triangles.
 
-use glam::{DVec2, DVec3};
+use std::collections::HashMap;
+use std::ops::Range;
 
-use super::grid_mesh::{GridMesh, MeshError, MeshPoint};
+use glam::DVec2;
+use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
+
+use super::grid_mesh::{GridMesh, MAX_GRID_SIDE, MeshError};
+use super::lattice::Lattice;
 use super::piece::Piece;
-use crate::geometry::trim::{Coverage, Side, Trims, UvBox};
+use crate::geometry::trim::{Side, Trims, UvBox};
+
+/// The share of the tolerance that is spent on finding points of trim curves; the rest is spent on
+/// leaving out as many of them as possible.
+const FINE: f64 = 0.125;
+
+/// Points nearer to a side of a cell than this share of the cell lie on it.
+const ON_SIDE: f64 = 1e-10;
 
 /// Trim curves as chords, and the cells of a piece that they cut.
 pub(super) struct Cutter<'a> {
     piece: &'a Piece,
     trims: &'a Trims,
-    us: &'a [f64],
-    vs: &'a [f64],
-    /// The vertices of all cells, row by row.
-    vertices: &'a [MeshPoint],
-    /// The chords that come near each interval of `vs`, the end with the smaller v first.
-    chords: Vec<Vec<[DVec2; 2]>>,
+    lattice: &'a Lattice,
+    /// The chords in each cell that has any, sides included. A chord that only touches a side is
+    /// a point.
+    chords: HashMap<(usize, usize), Vec<[DVec2; 2]>>,
 }
 
-/// A side of a trapezoid: u as a linear function of v.
-#[derive(Clone, Copy)]
-struct Edge {
-    from: DVec2,
-    to: DVec2,
+/// A vertex of the triangles of a cut cell.
+struct Corner {
+    /// Its place in the cell, from 0 to 1.
+    place: Point2<f64>,
+    uv: DVec2,
 }
 
-impl Edge {
-    fn at(&self, v: f64) -> f64 {
-        let share = (v - self.from.y) / (self.to.y - self.from.y);
-        self.from.x + share * (self.to.x - self.from.x)
+impl HasPosition for Corner {
+    type Scalar = f64;
+
+    fn position(&self) -> Point2<f64> {
+        self.place
     }
 }
 
 impl<'a> Cutter<'a> {
-    /// Makes chords within `tolerance` of the trim curves, in units of u and v.
+    /// Makes chords within `distance` of the trim curves in space, on a piece whose points move
+    /// by `speeds` in space for a step of 1 in u and in v.
     ///
     /// # Errors
     /// When that takes too many points.
     pub(super) fn new(
         piece: &'a Piece,
         trims: &'a Trims,
-        (us, vs, vertices): (&'a [f64], &'a [f64], &'a [MeshPoint]),
-        tolerance: f64,
+        lattice: &'a Lattice,
+        (distance, speeds): (f64, DVec2),
     ) -> Result<Self, MeshError> {
-        let mut chords = vec![Vec::new(); vs.len().saturating_sub(1)];
-        for outline in trims.outlines(tolerance)? {
-            for ends in outline.windows(2) {
-                let (low, high) =
-                    if ends[0].y <= ends[1].y { (ends[0], ends[1]) } else { (ends[1], ends[0]) };
-                let first = vs.partition_point(|&v| v < low.y).saturating_sub(1);
-                let meeting = vs.partition_point(|&v| v <= high.y).min(chords.len());
-                for near in chords.iter_mut().take(meeting).skip(first) {
-                    near.push([low, high]);
+        let speeds = speeds.max(DVec2::splat(f64::MIN_POSITIVE));
+        let mut cutter = Self { piece, trims, lattice, chords: HashMap::new() };
+        for outline in trims.outlines(FINE * distance / speeds.max_element())? {
+            let points = thinned(&outline, (1.0 - FINE) * distance, speeds);
+            let snapped = points
+                .iter()
+                .map(|at| DVec2::new(on_side(at.x, &lattice.us), on_side(at.y, &lattice.vs)));
+            for ends in snapped.collect::<Vec<_>>().windows(2) {
+                cutter.enter([ends[0], ends[1]]);
+            }
+        }
+        Ok(cutter)
+    }
+
+    /// Enters a chord in the cells that it meets. Where it crosses a side, both cells there get the
+    /// same point, bit for bit.
+    fn enter(&mut self, [a, b]: [DVec2; 2]) {
+        let (us, vs) = (&self.lattice.us, &self.lattice.vs);
+        let [low, high] = if a.y <= b.y { [a, b] } else { [b, a] };
+        let (left, right) = (low.x.min(high.x), low.x.max(high.x));
+        let at_v = |v: f64| {
+            let share = (v - low.y) / (high.y - low.y);
+            let u = (low.x + share * (high.x - low.x)).clamp(left, right);
+            DVec2::new(on_side(u, us), v)
+        };
+        let at_u = |u: f64| {
+            let share = (u - low.x) / (high.x - low.x);
+            let v = (low.y + share * (high.y - low.y)).clamp(low.y, high.y);
+            DVec2::new(u, on_side(v, vs))
+        };
+        for j in met(low.y, high.y, vs) {
+            let bottom = if low.y < vs[j] { at_v(vs[j]) } else { low };
+            let top = if high.y > vs[j + 1] { at_v(vs[j + 1]) } else { high };
+            let ends = if bottom.x <= top.x { [bottom, top] } else { [top, bottom] };
+            for i in met(ends[0].x, ends[1].x, us) {
+                let from = if ends[0].x < us[i] { at_u(us[i]) } else { ends[0] };
+                let to = if ends[1].x > us[i + 1] { at_u(us[i + 1]) } else { ends[1] };
+                // By rounding, a crossing near a corner may lie beyond the other side.
+                let inside = |at: DVec2| DVec2::new(at.x, at.y.clamp(vs[j], vs[j + 1]));
+                let chord = [inside(from), inside(to)];
+                let cell = self.lattice.cell(i, j);
+                if chord[0] != chord[1] || !is_corner(&cell, chord[0]) {
+                    self.chords.entry((i, j)).or_default().push(chord);
                 }
             }
         }
-        Ok(Self { piece, trims, us, vs, vertices, chords })
     }
 
-    /// Adds the kept part of the cells `rows` × `columns`: each run of whole cells along v as one
-    /// grid, each trapezoid of a cut cell as a grid of four vertices.
+    /// Adds the kept part of all cells: whole cells in grids as large as possible, and the
+    /// triangles of the others.
     ///
     /// # Errors
     /// When the mesh becomes too large.
-    pub(super) fn carry_out(
-        &self,
-        rows: std::ops::Range<usize>,
-        columns: std::ops::Range<usize>,
-        mesh: &mut GridMesh,
-    ) -> Result<(), MeshError> {
-        for i in rows {
-            let mut whole = columns.start;
-            for j in columns.clone() {
-                let coverage = self.trims.classify(&self.cell(i, j));
-                if coverage == Coverage::Inside {
+    pub(super) fn carry_out(&self, mesh: &mut GridMesh) -> Result<(), MeshError> {
+        let mut whole = self.whole();
+        let columns = self.lattice.vs.len() - 1;
+        let rows = self.lattice.us.len() - 1;
+        let most = MAX_GRID_SIDE - 1;
+        for i in 0..rows {
+            for j in 0..columns {
+                let row = |i: usize| &whole[i * columns..(i + 1) * columns];
+                let width = row(i)[j..].iter().take(most).take_while(|&&whole| whole).count();
+                if width == 0 {
                     continue;
                 }
-                self.push_whole(i, whole..j, mesh)?;
-                whole = j + 1;
-                if coverage == Coverage::Mixed {
-                    self.push_trapezoids(i, j, mesh)?;
+                let filled = |&i: &usize| row(i)[j..j + width].iter().all(|&whole| whole);
+                let height = (i..rows).take(most).take_while(filled).count();
+                for i in i..i + height {
+                    whole[i * columns + j..][..width].fill(false);
                 }
+                mesh.push_lattice(self.lattice, [i..i + height, j..j + width])?;
             }
-            self.push_whole(i, whole..columns.end, mesh)?;
+        }
+        let mut cut: Vec<_> =
+            self.chords.iter().filter(|(at, chords)| self.cuts(**at, chords)).collect();
+        cut.sort_unstable_by_key(|(at, _)| **at);
+        let mut known = HashMap::new();
+        cut.into_iter().try_for_each(|(&at, chords)| self.push_cut(at, chords, &mut known, mesh))
+    }
+
+    /// Whether chords divide a cell or add points to its sides: not if they are whole sides.
+    fn cuts(&self, (i, j): (usize, usize), chords: &[[DVec2; 2]]) -> bool {
+        let cell = self.lattice.cell(i, j);
+        let is_side = |[a, b]: &[DVec2; 2]| {
+            is_corner(&cell, *a) && is_corner(&cell, *b) && (a.x == b.x || a.y == b.y)
+        };
+        !chords.iter().all(is_side)
+    }
+
+    /// Which cells are kept as they are, row by row. Between neighbours without chords nothing
+    /// changes.
+    fn whole(&self) -> Vec<bool> {
+        let (rows, columns) = (self.lattice.us.len() - 1, self.lattice.vs.len() - 1);
+        let mut whole = vec![false; rows * columns];
+        for i in 0..rows {
+            for j in 0..columns {
+                let plain = |i: usize, j: usize| !self.chords.contains_key(&(i, j));
+                let kept = match self.chords.get(&(i, j)) {
+                    Some(chords) if self.cuts((i, j), chords) => false,
+                    None if j > 0 && plain(i, j - 1) => whole[i * columns + j - 1],
+                    None if i > 0 && plain(i - 1, j) => whole[(i - 1) * columns + j],
+                    _ => {
+                        let UvBox { min, max } = self.lattice.cell(i, j);
+                        self.keeps(0.5 * (min + max))
+                    }
+                };
+                whole[i * columns + j] = kept;
+            }
+        }
+        whole
+    }
+
+    fn keeps(&self, uv: DVec2) -> bool {
+        match self.trims.contains(uv) {
+            Side::Inside => true,
+            Side::Outside => false,
+            Side::Edge { inside, .. } => inside,
+        }
+    }
+
+    /// Adds the triangles of the kept part of a cut cell: those of a Delaunay triangulation that
+    /// has the chords among its edges. Chords may touch, overlap or cross. What lies between
+    /// chords is kept or not as a whole, as the middle of its largest triangle is.
+    fn push_cut(
+        &self,
+        (i, j): (usize, usize),
+        chords: &[[DVec2; 2]],
+        known: &mut HashMap<[u64; 2], u32>,
+        mesh: &mut GridMesh,
+    ) -> Result<(), MeshError> {
+        let cell = self.lattice.cell(i, j);
+        let triangles = triangulation(&cell, chords);
+        let region = regions(&triangles);
+        let mut largest = vec![(0.0, DVec2::ZERO); region.len()];
+        for (face, &region) in triangles.inner_faces().zip(&region) {
+            let area = face.area();
+            if area > largest[region].0 {
+                let middle = face.vertices().iter().map(|corner| corner.data().uv).sum::<DVec2>();
+                largest[region] = (area, middle / 3.0);
+            }
+        }
+        let kept: Vec<bool> =
+            largest.iter().map(|&(area, middle)| area > 0.0 && self.keeps(middle)).collect();
+        for (face, &region) in triangles.inner_faces().zip(&region) {
+            if kept[region] {
+                let mut corners = [0; 3];
+                for (corner, vertex) in corners.iter_mut().zip(face.vertices()) {
+                    *corner = self.vertex((i, j), vertex.data().uv, known, mesh)?;
+                }
+                mesh.push_face(corners);
+            }
         }
         Ok(())
     }
 
-    fn cell(&self, i: usize, j: usize) -> UvBox {
-        UvBox::new([self.us[i], self.us[i + 1]], [self.vs[j], self.vs[j + 1]])
-    }
-
-    fn vertex(&self, i: usize, j: usize) -> MeshPoint {
-        self.vertices[i * self.vs.len() + j]
-    }
-
-    fn push_whole(
-        &self,
-        i: usize,
-        columns: std::ops::Range<usize>,
-        mesh: &mut GridMesh,
-    ) -> Result<(), MeshError> {
-        if columns.is_empty() {
-            return Ok(());
-        }
-        let first = columns.start;
-        mesh.push_grid((2, columns.len() + 1), |row, column| self.vertex(i + row, first + column))
-    }
-
-    /// Adds the kept part of a cell. The cell is cut into strips at the v of every end of a chord
-    /// and of every crossing of a chord with the cell's sides: each chord then crosses a whole
-    /// strip or none of it, and chords do not cross each other.
-    fn push_trapezoids(&self, i: usize, j: usize, mesh: &mut GridMesh) -> Result<(), MeshError> {
-        let UvBox { min, max } = self.cell(i, j);
-        let mut near: Vec<Edge> = self.chords[j]
-            .iter()
-            .filter(|[a, b]| a.x.min(b.x) < max.x && a.x.max(b.x) > min.x)
-            .map(|&[from, to]| Edge { from, to })
-            .collect();
-        let mut levels = vec![min.y, max.y];
-        levels.extend(near.iter().flat_map(|edge| [edge.from.y, edge.to.y]));
-        // Chords along u end strips, but are not sides of any trapezoid.
-        near.retain(|edge| edge.from.y < edge.to.y);
-        for edge in &near {
-            for side in [min.x, max.x] {
-                let share = (side - edge.from.x) / (edge.to.x - edge.from.x);
-                levels.push(edge.from.y + share * (edge.to.y - edge.from.y));
-            }
-        }
-        levels.retain(|v| min.y <= *v && *v <= max.y); // drops NaN, too
-        levels.sort_by(f64::total_cmp);
-        levels.dedup();
-
-        for strip in levels.windows(2) {
-            let [low, high] = [strip[0], strip[1]];
-            let middle = 0.5 * (low + high);
-            let side = |u: f64| Edge { from: DVec2::new(u, low), to: DVec2::new(u, high) };
-            let mut edges = vec![side(min.x), side(max.x)];
-            edges.extend(near.iter().filter(|edge| {
-                let across = edge.from.y <= low && high <= edge.to.y;
-                let u = edge.at(middle);
-                across && min.x < u && u < max.x
-            }));
-            edges.sort_by(|a, b| a.at(middle).total_cmp(&b.at(middle)));
-            for pair in edges.windows(2) {
-                let [left, right] = [pair[0], pair[1]];
-                let inside = DVec2::new(0.5 * (left.at(middle) + right.at(middle)), middle);
-                if self.trims.contains(inside) == Side::Outside {
-                    continue;
-                }
-                mesh.push_grid((2, 2), |row, column| {
-                    let v = if column == 0 { low } else { high };
-                    let u = if row == 0 { left.at(v) } else { right.at(v) };
-                    self.point((i, j), DVec2::new(u.clamp(min.x, max.x), v))
-                })?;
-            }
-        }
-        Ok(())
-    }
-
-    /// The point of the surface at `uv` in a cell. On the cell's sides its position is on the
+    /// The number of the vertex at `uv` in a cell. On the cell's sides its position is on the
     /// straight line between two vertices, which the neighbouring cell has, too.
-    fn point(&self, (i, j): (usize, usize), uv: DVec2) -> MeshPoint {
-        let UvBox { min, max } = self.cell(i, j);
+    fn vertex(
+        &self,
+        (i, j): (usize, usize),
+        uv: DVec2,
+        known: &mut HashMap<[u64; 2], u32>,
+        mesh: &mut GridMesh,
+    ) -> Result<u32, MeshError> {
+        let key = (uv + 0.0).to_array().map(f64::to_bits);
+        if let Some(&number) = known.get(&key) {
+            return Ok(number);
+        }
+        let UvBox { min, max } = self.lattice.cell(i, j);
         let at = (uv - min) / (max - min);
-        let corner = |i: usize, j: usize| self.vertex(i, j).position;
-        let between = |a: DVec3, b: DVec3, share: f64| {
+        let corner = |k: usize, l: usize| self.lattice.position(i + k, j + l);
+        let between = |from: [usize; 2], to: [usize; 2], share: f64| {
+            let [a, b] = [from, to].map(|[k, l]| corner(k, l));
             if share == 1.0 { b } else { a + share * (b - a) }
         };
-        let on_side = if uv.x == min.x {
-            Some(between(corner(i, j), corner(i, j + 1), at.y))
+        let position = if uv.x == min.x {
+            between([0, 0], [0, 1], at.y)
         } else if uv.x == max.x {
-            Some(between(corner(i + 1, j), corner(i + 1, j + 1), at.y))
+            between([1, 0], [1, 1], at.y)
         } else if uv.y == min.y {
-            Some(between(corner(i, j), corner(i + 1, j), at.x))
+            between([0, 0], [1, 0], at.x)
         } else if uv.y == max.y {
-            Some(between(corner(i, j + 1), corner(i + 1, j + 1), at.x))
+            between([0, 1], [1, 1], at.x)
         } else {
-            None
+            self.piece.position(uv)
         };
-        let point = self.piece.point(uv);
-        MeshPoint { position: on_side.unwrap_or(point.position), ..point }
+        let number = mesh.push_vertex(position, || self.piece.detail(uv))?;
+        known.insert(key, number);
+        Ok(number)
     }
+}
+
+/// The cells that the numbers from `low` to `high` meet, between neighbouring `sides`.
+fn met(low: f64, high: f64, sides: &[f64]) -> Range<usize> {
+    let first = sides.partition_point(|&side| side < low).saturating_sub(1);
+    first..sides.partition_point(|&side| side <= high).min(sides.len() - 1)
+}
+
+/// The parameter, or that of a side of a cell that is as good as the same.
+fn on_side(t: f64, sides: &[f64]) -> f64 {
+    let next = sides.partition_point(|&side| side < t).clamp(1, sides.len() - 1);
+    let (before, after) = (sides[next - 1], sides[next]);
+    let near = ON_SIDE * (after - before);
+    if (t - before).abs() <= near {
+        before
+    } else if (after - t).abs() <= near {
+        after
+    } else {
+        t
+    }
+}
+
+fn is_corner(cell: &UvBox, at: DVec2) -> bool {
+    (at.x == cell.min.x || at.x == cell.max.x) && (at.y == cell.min.y || at.y == cell.max.y)
+}
+
+/// As few of the points of a polyline as leave the others within `distance` of the chords between
+/// them, where steps of 1 in u and v are as long as `speeds`. The first and last remain.
+fn thinned(points: &[DVec2], distance: f64, speeds: DVec2) -> Vec<DVec2> {
+    let off = |point: DVec2, [from, to]: [DVec2; 2]| {
+        let [chord, point] = [to - from, point - from].map(|step| speeds * step);
+        let share = (point.dot(chord) / chord.length_squared()).clamp(0.0, 1.0);
+        if share.is_nan() { point.length() } else { point.distance(share * chord) }
+    };
+    let mut kept: Vec<DVec2> = points.first().copied().into_iter().collect();
+    let mut from = 0;
+    while from + 1 < points.len() {
+        let near = |&to: &usize| {
+            let ends = [points[from], points[to]];
+            points[from + 1..to].iter().all(|&point| off(point, ends) <= distance)
+        };
+        from = (from + 2..points.len()).take_while(near).last().unwrap_or(from + 1);
+        kept.push(points[from]);
+    }
+    kept
+}
+
+type Triangles = ConstrainedDelaunayTriangulation<Corner>;
+
+/// Triangles of a whole cell, with the chords among their edges.
+fn triangulation(cell: &UvBox, chords: &[[DVec2; 2]]) -> Triangles {
+    let UvBox { min, max } = *cell;
+    let corner = |uv: DVec2| {
+        let at = (uv - min) / (max - min);
+        Corner { place: spade::mitigate_underflow(Point2::new(at.x, at.y)), uv }
+    };
+    let mut triangles = Triangles::new();
+    // A point that is no number cannot be inserted; there is none.
+    for uv in [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)] {
+        let _ = triangles.insert(corner(uv));
+    }
+    for ends in chords {
+        let [from, to] = ends.map(|uv| triangles.insert(corner(uv)));
+        if let (Ok(from), Ok(to)) = (from, to) {
+            // Two chords may cross by rounding, or where trim curves nearly touch.
+            triangles.add_constraint_and_split(from, to, |place| Corner {
+                place,
+                uv: min + DVec2::new(place.x, place.y) * (max - min),
+            });
+        }
+    }
+    triangles
+}
+
+/// For each triangle the number of the region between chords to which it belongs.
+fn regions(triangles: &Triangles) -> Vec<usize> {
+    let mut regions = vec![None; triangles.num_inner_faces()];
+    let mut count = 0;
+    let faces: Vec<_> = triangles.inner_faces().collect();
+    let number: HashMap<_, _> = faces.iter().enumerate().map(|(k, face)| (face.fix(), k)).collect();
+    for first in 0..faces.len() {
+        if regions[first].is_some() {
+            continue;
+        }
+        regions[first] = Some(count);
+        let mut waiting = vec![first];
+        while let Some(face) = waiting.pop() {
+            for edge in faces[face].adjacent_edges() {
+                let beyond = edge.rev().face().as_inner().and_then(|face| number.get(&face.fix()));
+                if let (false, Some(&beyond)) = (edge.is_constraint_edge(), beyond)
+                    && regions[beyond].is_none()
+                {
+                    regions[beyond] = Some(count);
+                    waiting.push(beyond);
+                }
+            }
+        }
+        count += 1;
+    }
+    regions.into_iter().flatten().collect()
 }

@@ -1,8 +1,12 @@
-//! Grids of triangles that carry the normals and parameters of a surface.
+//! Grids of triangles, and triangles alone, that may carry the normals and parameters of a
+//! surface.
+
+use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 use thiserror::Error;
 
+use super::lattice::{Detail, Lattice};
 use crate::geometry::SurfaceError;
 use crate::geometry::trim::TrimError;
 
@@ -102,28 +106,107 @@ impl Grid {
     }
 }
 
-/// One surface as grids of triangles, with the surface's own normals at the vertices.
+/// One surface as grids of triangles, with triangles alone, or faces, where trims cut it. It may
+/// have the surface's own normals at the vertices.
 ///
-/// # Invariants, kept by [`GridMesh::push_grid`]
+/// # Invariants, kept by the functions that add to it
 /// - every grid has 2 to [`MAX_GRID_SIDE`] rows and columns, and all its vertices;
-/// - there are as many normals and parameters as positions, at most [`MAX_VERTICES`].
+/// - grids and faces have vertices of their own;
+/// - there are as many normals and parameters as positions, or none; at most [`MAX_VERTICES`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GridMesh {
+    /// Whether there are positions only.
+    bare: bool,
     positions: Vec<DVec3>,
     normals: Vec<DVec3>,
     uv: Vec<DVec2>,
     grids: Vec<Grid>,
+    faces: Vec<[u32; 3]>,
 }
 
 impl GridMesh {
-    /// A mesh without grids yet, with room for this many vertices.
-    pub(super) fn with_room(vertices: usize) -> Self {
+    /// A mesh without grids yet, with room for this many vertices: with normals and parameters, or
+    /// bare.
+    pub(super) fn with_room(vertices: usize, detailed: bool) -> Self {
+        let details = if detailed { vertices } else { 0 };
         Self {
+            bare: !detailed,
             positions: Vec::with_capacity(vertices),
-            normals: Vec::with_capacity(vertices),
-            uv: Vec::with_capacity(vertices),
+            normals: Vec::with_capacity(details),
+            uv: Vec::with_capacity(details),
             grids: Vec::new(),
+            faces: Vec::new(),
         }
+    }
+
+    /// Whether the vertices have normals and parameters.
+    pub(super) fn is_detailed(&self) -> bool {
+        !self.bare
+    }
+
+    /// Adds a grid of the cells `rows` × `columns` of a lattice, which has details if the mesh has.
+    pub(super) fn push_lattice(
+        &mut self,
+        lattice: &Lattice,
+        [rows, columns]: [Range<usize>; 2],
+    ) -> Result<(), MeshError> {
+        self.push_empty(rows.len() + 1, columns.len() + 1)?;
+        for row in rows.start..=rows.end {
+            let first = row * lattice.vs.len();
+            let line = first + columns.start..first + columns.end + 1;
+            self.positions.extend_from_slice(&lattice.positions[line.clone()]);
+            if !self.bare {
+                let details = &lattice.details[line];
+                self.normals.extend(details.iter().map(|detail| detail.normal));
+                self.uv.extend(details.iter().map(|detail| detail.uv));
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds a vertex for faces; returns its number.
+    pub(super) fn push_vertex(
+        &mut self,
+        position: DVec3,
+        detail: impl FnOnce() -> Detail,
+    ) -> Result<u32, MeshError> {
+        let number = self.positions.len();
+        self.check_room(1)?;
+        self.positions.push(position);
+        if !self.bare {
+            let Detail { normal, uv } = detail();
+            self.normals.push(normal);
+            self.uv.push(uv);
+        }
+        Ok(number as u32)
+    }
+
+    /// Adds a triangle of vertices for faces.
+    pub(super) fn push_face(&mut self, corners: [u32; 3]) {
+        self.faces.push(corners);
+    }
+
+    fn check_room(&self, more: usize) -> Result<(), MeshError> {
+        let vertices = self.positions.len() + more;
+        if vertices > MAX_VERTICES {
+            return Err(MeshError::TooManyVertices { vertices, limit: MAX_VERTICES });
+        }
+        Ok(())
+    }
+
+    /// Adds a grid whose vertices must follow.
+    fn push_empty(&mut self, rows: usize, columns: usize) -> Result<(), MeshError> {
+        let sides = 2..=MAX_GRID_SIDE;
+        if !sides.contains(&rows) || !sides.contains(&columns) {
+            return Err(MeshError::GridSides { rows, columns });
+        }
+        self.check_room(rows * columns)?;
+        self.grids.push(Grid {
+            first: self.positions.len() as u32,
+            rows: rows as u16,
+            columns: columns as u16,
+        });
+        Ok(())
     }
 
     /// Adds a grid of `rows` × `columns` vertices, given row by row by `vertex(row, column)`.
@@ -136,26 +219,15 @@ impl GridMesh {
         (rows, columns): (usize, usize),
         mut vertex: impl FnMut(usize, usize) -> MeshPoint,
     ) -> Result<(), MeshError> {
-        let sides = 2..=MAX_GRID_SIDE;
-        let wrong = MeshError::GridSides { rows, columns };
-        if !sides.contains(&rows) || !sides.contains(&columns) {
-            return Err(wrong);
-        }
-        let vertices = self.positions.len() + rows * columns;
-        if vertices > MAX_VERTICES {
-            return Err(MeshError::TooManyVertices { vertices, limit: MAX_VERTICES });
-        }
-        self.grids.push(Grid {
-            first: self.positions.len() as u32,
-            rows: rows as u16,
-            columns: columns as u16,
-        });
+        self.push_empty(rows, columns)?;
         for row in 0..rows {
             for column in 0..columns {
                 let MeshPoint { position, normal, uv } = vertex(row, column);
                 self.positions.push(position);
-                self.normals.push(normal);
-                self.uv.push(uv);
+                if !self.bare {
+                    self.normals.push(normal);
+                    self.uv.push(uv);
+                }
             }
         }
         Ok(())
@@ -166,26 +238,35 @@ impl GridMesh {
         &self.positions
     }
 
-    /// The unit normals of the surface at the vertices; NaN where it has none.
+    /// The unit normals of the surface at the vertices; NaN where it has none. Empty if the mesh
+    /// was made without them.
     pub fn normals(&self) -> &[DVec3] {
         &self.normals
     }
 
-    /// The surface parameters of the vertices.
+    /// The surface parameters of the vertices. Empty if the mesh was made without them.
     pub fn uv(&self) -> &[DVec2] {
         &self.uv
     }
 
-    /// The grids: one a knot span, several a knot span of trimmed surfaces.
+    /// The grids: one a smooth piece of a surface, as few as possible for the whole cells of a
+    /// trimmed one.
     pub fn grids(&self) -> &[Grid] {
         &self.grids
     }
 
-    /// The vertices of every triangle: two a cell, cells row by row, grid by grid.
+    /// The vertices of the faces: triangles that belong to no grid, oriented as `S_u × S_v`.
+    pub fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
+    }
+
+    /// The vertices of every triangle: two a cell, cells row by row, grid by grid, then the faces.
     pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
-        self.grids
-            .iter()
-            .flat_map(|grid| grid.cells().flat_map(|(row, column)| grid.triangles(row, column)))
+        let of_grid = |grid: &'_ Grid| {
+            let grid = *grid;
+            grid.cells().flat_map(move |(row, column)| grid.triangles(row, column))
+        };
+        self.grids.iter().flat_map(of_grid).chain(self.faces.iter().copied())
     }
 
     /// The point of triangle `corners` with barycentric coordinates `place` of its second and

@@ -1,8 +1,9 @@
-//! Surfaces as grids of triangles, for Embree only: `nurbray` itself traces, measures and writes
-//! nothing through a mesh.
+//! Surfaces as grids of triangles, and triangles along trims, for Embree only: `nurbray` itself
+//! traces, measures and writes nothing through a mesh.
 
 mod cut;
 mod grid_mesh;
+mod lattice;
 mod piece;
 mod plan;
 mod tessellation;

@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::cut::Cutter;
 use super::grid_mesh::{GridMesh, MAX_GRID_SIDE, MeshError};
+use super::lattice::Lattice;
 use super::piece::{Piece, Row, Tangents};
 use crate::geometry::trim::{Side, UvBox};
 use crate::geometry::{BasisDerivatives, Chart, Direction, Span};
@@ -136,16 +137,19 @@ impl Plan {
         measured.worst() > distance
     }
 
-    /// The number of vertices the plan makes; those on a border between grids count in each.
+    /// The number of vertices that the plan makes without trims; those on a border between pieces
+    /// count in each.
     pub(super) fn vertex_count(&self) -> usize {
-        let [rows, columns] = self.counts.each_ref().map(|counts| {
-            counts.iter().fold(0usize, |sum, &count| sum.saturating_add(count).saturating_add(1))
+        let [rows, columns] = Direction::BOTH.map(|direction| {
+            let cells = self.counts[direction].iter().copied().fold(0, usize::saturating_add);
+            cells.saturating_add(self.starts[direction].len() - 1)
         });
         rows.saturating_mul(columns)
     }
 
-    /// Adds the grids of the plan to a mesh. Trim curves become chords within `distance` of
-    /// them in space, judged by how far the surface is stretched at the points sampled.
+    /// Adds the grids and triangles of the plan to a mesh. Trim curves become chords within
+    /// `distance` of them in space, judged by how far the surface is stretched at the points
+    /// sampled.
     pub(super) fn carry_out(&self, distance: f64, mesh: &mut GridMesh) -> Result<(), MeshError> {
         let too_many = |counts: &Vec<usize>| counts.iter().any(|&n| n + 1 > MAX_GRID_SIDE);
         if self.counts.iter().any(too_many) {
@@ -153,43 +157,16 @@ impl Plan {
             let (rows, columns) = (most(&self.counts[0]), most(&self.counts[1]));
             return Err(MeshError::GridSides { rows, columns });
         }
-        self.parts().try_for_each(|(piece, spans)| self.carry_out_one(piece, spans, distance, mesh))
-    }
-
-    /// Adds the grids of one piece.
-    fn carry_out_one(
-        &self,
-        piece: &Piece,
-        spans: [Range<usize>; 2],
-        distance: f64,
-        mesh: &mut GridMesh,
-    ) -> Result<(), MeshError> {
-        let [us, vs] = self.parameters(&spans);
-        let vertices = piece.lattice(&us, &vs);
-        let cutter = match &piece.trims {
-            None => None,
-            Some(trims) => {
-                let tolerance = distance / speed(piece).max(f64::MIN_POSITIVE);
-                Some(Cutter::new(piece, trims, (&us, &vs, &vertices), tolerance)?)
-            }
-        };
-        let mut top = 0;
-        for &rows in &self.counts[0][spans[0].clone()] {
-            let mut left = 0;
-            for &columns in &self.counts[1][spans[1].clone()] {
-                match &cutter {
-                    Some(cutter) => {
-                        cutter.carry_out(top..top + rows, left..left + columns, mesh)?;
-                    }
-                    None => mesh.push_grid((rows + 1, columns + 1), |row, column| {
-                        vertices[(top + row) * vs.len() + left + column]
-                    })?,
+        self.parts().try_for_each(|(piece, spans)| {
+            let [us, vs] = self.parameters(&spans);
+            let lattice = piece.lattice(us, vs, mesh.is_detailed());
+            match &piece.trims {
+                Some(trims) => {
+                    Cutter::new(piece, trims, &lattice, (distance, speeds(piece)))?.carry_out(mesh)
                 }
-                left += columns;
+                None => push_whole(&lattice, mesh),
             }
-            top += rows;
-        }
-        Ok(())
+        })
     }
 
     /// All parameters of vertices on some spans in each direction.
@@ -212,16 +189,16 @@ impl Plan {
         let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         self.parts().fold(nothing, |bounds, (piece, spans)| {
             let [us, vs] = self.parameters(&spans);
-            let mut vertices = piece.lattice(&us, &vs);
+            let Lattice { us, vs, mut positions, .. } = piece.lattice(us, vs, false);
             if let Some(trims) = &piece.trims {
-                vertices.retain(|vertex| trims.contains(vertex.uv) != Side::Outside);
+                let places = us.iter().flat_map(|&u| vs.iter().map(move |&v| DVec2::new(u, v)));
+                let mut kept = places.map(|uv| trims.contains(uv) != Side::Outside);
+                positions.retain(|_| kept.next() == Some(true));
                 let domain = UvBox::new([us[0], us[us.len() - 1]], [vs[0], vs[vs.len() - 1]]);
                 let joints = trims.joints().filter(|joint| domain.holds(*joint));
-                vertices.extend(joints.map(|joint| piece.point(joint)));
+                positions.extend(joints.map(|joint| piece.position(joint)));
             }
-            vertices.iter().fold(bounds, |(low, high), vertex| {
-                (low.min(vertex.position), high.max(vertex.position))
-            })
+            positions.iter().fold(bounds, |(low, high), &at| (low.min(at), high.max(at)))
         })
     }
 
@@ -295,23 +272,37 @@ impl Plan {
     }
 }
 
-/// The largest sampled speed of a piece: the length in space of a step of 1 in u or in v.
-fn speed(piece: &Piece) -> f64 {
+/// Adds all vertices of a piece as one grid, or as several if it is too large for that.
+fn push_whole(lattice: &Lattice, mesh: &mut GridMesh) -> Result<(), MeshError> {
+    let parts = |cells: usize| {
+        let starts = (0..cells).step_by(MAX_GRID_SIDE - 1);
+        starts.map(move |start| start..cells.min(start + MAX_GRID_SIDE - 1))
+    };
+    for rows in parts(lattice.us.len() - 1) {
+        for columns in parts(lattice.vs.len() - 1) {
+            mesh.push_lattice(lattice, [rows.clone(), columns])?;
+        }
+    }
+    Ok(())
+}
+
+/// The largest sampled speeds of a piece: the lengths in space of a step of 1 in u, and in v.
+fn speeds(piece: &Piece) -> DVec2 {
     let samples = Direction::BOTH.map(|direction| {
         let knots = piece.knots(direction);
         let spans = knots.spans().collect::<Vec<_>>();
         let at = spans.iter().flat_map(|span| FRACTIONS.map(|share| at(span, share)));
         at.map(|t| knots.basis_derivatives(t)).collect::<Vec<_>>()
     });
-    let rows = samples[0].iter().map(|basis| piece.row(basis));
-    let speeds = rows.flat_map(|row| {
-        let speed = |basis: &BasisDerivatives| {
+    let mut largest = DVec2::ZERO;
+    for basis in &samples[0] {
+        let row = piece.row(basis);
+        for basis in &samples[1] {
             let Tangents { du, dv, .. } = piece.tangents(&row, basis);
-            du.length().max(dv.length())
-        };
-        samples[1].iter().map(speed).collect::<Vec<_>>()
-    });
-    speeds.fold(0.0, f64::max)
+            largest = largest.max(DVec2::new(du.length(), dv.length()));
+        }
+    }
+    largest
 }
 
 /// One side of a cell: its span, whether its ends are ends of the piece, and the basis

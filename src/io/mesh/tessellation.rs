@@ -1,4 +1,4 @@
-//! How finely surfaces are cut into grids. For Embree only, like the meshes it makes.
+//! How finely surfaces are cut into triangles. For Embree only, like the meshes it makes.
 
 use glam::DVec3;
 
@@ -90,11 +90,24 @@ impl TessellationPlan {
         self.diagonal
     }
 
-    /// Carries the plan out: one mesh for each surface, in the same order.
+    /// Carries the plan out: one mesh for each surface, in the same order, of positions only.
     ///
     /// # Errors
     /// When a grid or all of them together would become too large.
     pub fn meshes(&self) -> Result<Vec<GridMesh>, MeshError> {
+        self.carried_out(false)
+    }
+
+    /// As [`TessellationPlan::meshes`], the same vertices in the same order, with the normals and
+    /// parameters of the surfaces.
+    ///
+    /// # Errors
+    /// When a grid or all of them together would become too large.
+    pub fn detailed_meshes(&self) -> Result<Vec<GridMesh>, MeshError> {
+        self.carried_out(true)
+    }
+
+    fn carried_out(&self, detailed: bool) -> Result<Vec<GridMesh>, MeshError> {
         let mut counts = vec![0_usize; self.surfaces];
         for (surface, plan) in &self.plans {
             counts[*surface] = counts[*surface].saturating_add(plan.vertex_count());
@@ -103,7 +116,8 @@ impl TessellationPlan {
         if vertices > MAX_VERTICES {
             return Err(MeshError::TooManyVertices { vertices, limit: MAX_VERTICES });
         }
-        let mut meshes: Vec<_> = counts.into_iter().map(GridMesh::with_room).collect();
+        let room = |vertices| GridMesh::with_room(vertices, detailed);
+        let mut meshes: Vec<_> = counts.into_iter().map(room).collect();
         for (surface, plan) in &self.plans {
             plan.carry_out(self.edges, &mut meshes[*surface])?;
         }
@@ -115,11 +129,11 @@ impl TessellationPlan {
     }
 }
 
-/// Surfaces as grids of triangles: one mesh a surface, one grid a knot span.
+/// Surfaces as grids of triangles: one mesh a surface, one grid a smooth piece of it.
 ///
-/// On trimmed surfaces, cells that are kept whole form runs. The kept part of a cut cell is split
-/// along chords of the trim curves into trapezoids, each a grid of two triangles; the chords are as
-/// near to the curves as the triangles are to the surface.
+/// On trimmed surfaces, cells that are kept whole form grids as large as possible. The kept part of
+/// a cut cell is triangulated along chords of the trim curves; the chords are as near to the curves
+/// as the triangles are to the surface.
 ///
 /// Within a surface neighbouring grids share the vertices of their borders, bit for bit, also where
 /// smooth pieces meet and across seams. Between surfaces, and between the patches of a triangular
@@ -151,7 +165,7 @@ impl Tessellation {
     }
 
     fn carried_out(plan: &TessellationPlan) -> Result<Self, MeshError> {
-        let meshes = plan.meshes()?;
+        let meshes = plan.detailed_meshes()?;
         Ok(Self { meshes, deviation: plan.deviation(), diagonal: plan.diagonal })
     }
 
@@ -210,7 +224,7 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
+    use crate::geometry::trim::{Kept, Side, TrimDomain, TrimLoop, Trims};
     use crate::geometry::{KnotVector, NurbsSurface, Surface, TrimmedSurface, shapes};
 
     #[test]
@@ -306,6 +320,105 @@ mod tests {
             let off = (position.truncate().length() - 1.0).abs();
             assert!(off <= 1e-4 * made.diagonal(), "{position}");
             assert!(!(0.76..2.24).contains(&position.z), "{position}");
+        }
+    }
+
+    #[test]
+    fn a_hole_takes_about_as_many_triangles_as_its_edge_has_chords() {
+        let center = DVec2::new(0.5, 0.5);
+        for (radius, fraction) in [(0.3, 1e-3), (0.3, 1e-4), (0.1, 1e-4)] {
+            let circle = TrimLoop::circle(center, radius).unwrap();
+            let sheet = holed(shapes::plane(2.0, 2.0).unwrap(), &[circle]);
+            let made = Tessellation::to_tolerance(&[sheet], fraction).unwrap();
+            // The chords of n equal arcs are off by r (1 − cos(π / n)).
+            let distance = fraction * made.diagonal();
+            let chords = std::f64::consts::PI / (1.0 - distance / (2.0 * radius)).acos();
+            let triangles = made.meshes()[0].triangles().count() as f64;
+            // A ring between a polygon of n corners and a square is n + 4 triangles.
+            assert!(triangles < 1.3 * chords + 8.0, "{triangles} for {chords} chords");
+        }
+    }
+
+    /// The area of a square from -1 to 1 cut into `cells` × `cells` spans, and kept by loops in its
+    /// parameters from 0 to 1. The only edges without a neighbour are at loops and at the border.
+    fn kept_area(cells: usize, loops: &[TrimLoop]) -> f64 {
+        let knots = || KnotVector::clamped_uniform(1, cells + 1).unwrap();
+        let points = (0..(cells + 1) * (cells + 1)).map(|k| {
+            let at = DVec2::new((k / (cells + 1)) as f64, (k % (cells + 1)) as f64);
+            (2.0 * at / cells as f64 - 1.0).extend(0.0)
+        });
+        let sheet = NurbsSurface::new(knots(), knots(), points.collect(), None).unwrap();
+        let [u, v] = sheet.domain();
+        assert_eq!([u, v], [(0.0, 1.0); 2]);
+        let domain = TrimDomain::with_seams_of(&sheet).unwrap();
+        let trims = Trims::new(domain, Kept::Even, loops).unwrap();
+        let made = Tessellation::to_tolerance(&[holed(sheet, loops)], 1e-4).unwrap();
+        for [a, b] in open_edges(&made.meshes()[0]) {
+            let middle = 0.5 * (a + b);
+            let at_border = (middle - 0.5).abs().max_element() == 0.5;
+            let reach = DVec2::splat(2e-4);
+            let at_loop = matches!(trims.contains_within(middle, reach), Side::Edge { .. });
+            assert!(at_border || at_loop, "{a} to {b}");
+        }
+        area(&made)
+    }
+
+    #[test]
+    fn loops_may_touch_overlap_nest_and_run_along_cells() {
+        let square = |low: DVec2, high: DVec2| {
+            let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
+            TrimLoop::polygon(&corners).unwrap()
+        };
+        let at = |u, v| DVec2::new(u, v);
+        let circle = |u, radius| TrimLoop::circle(DVec2::new(u, 0.5), radius).unwrap();
+        let disk = |radius: f64| 4.0 * std::f64::consts::PI * radius * radius;
+        let overlap = 1e-16;
+        let cases = [
+            // An island in a hole, with a hole in it.
+            (
+                vec![circle(0.5, 0.4), circle(0.5, 0.3), circle(0.5, 0.1)],
+                4.0 - disk(0.4) + disk(0.3) - disk(0.1),
+            ),
+            // Holes that touch: in a point, in a corner, along a side.
+            (vec![circle(0.25, 0.125), circle(0.5, 0.125)], 4.0 - 2.0 * disk(0.125)),
+            (
+                vec![square(at(0.1, 0.1), at(0.3, 0.3)), square(at(0.3, 0.3), at(0.7, 0.6))],
+                4.0 - 4.0 * 0.16,
+            ),
+            (
+                vec![square(at(0.1, 0.1), at(0.3, 0.4)), square(at(0.3, 0.2), at(0.6, 0.3))],
+                4.0 - 4.0 * 0.09,
+            ),
+            // Along cells of spans of 1/4 and 1/2, and across their corners.
+            (vec![square(at(0.25, 0.25), at(0.75, 0.5))], 4.0 - 4.0 * 0.125),
+            (vec![square(at(0.25, 0.1), at(0.75, 0.5))], 4.0 - 4.0 * 0.2),
+            (
+                vec![
+                    TrimLoop::polygon(&[at(0.0, 0.5), at(0.5, 0.0), at(1.0, 0.5), at(0.5, 1.0)])
+                        .unwrap(),
+                ],
+                2.0,
+            ),
+            // Overlapping by rounding, or next to nothing; off the side of a cell by as much.
+            (
+                vec![
+                    square(at(0.1, 0.1), at(0.3 + overlap, 0.4)),
+                    square(at(0.3, 0.1), at(0.6, 0.4)),
+                ],
+                4.0 - 4.0 * 0.15,
+            ),
+            (vec![square(at(0.25 + overlap, 0.1), at(0.5 - overlap, 0.4))], 4.0 - 4.0 * 0.075),
+            (vec![circle(0.25, 0.125 + 1e-13), circle(0.5, 0.125)], 4.0 - 2.0 * disk(0.125)),
+            // Nearer than their chords are to them.
+            (vec![circle(0.5, 0.25), circle(0.5, 0.25 + 1e-6)], 4.0),
+        ];
+        for (number, (loops, exact)) in cases.iter().enumerate() {
+            for cells in [1, 2, 4, 7] {
+                let found = kept_area(cells, loops);
+                let off = (found - exact).abs();
+                // Chords are within 1e-4 of the diagonal, 2.8, of edges that are up to 10 long.
+                assert!(off < 3e-3, "case {number}, {cells} cells: {found} of {exact}");
+            }
         }
     }
 
