@@ -5,6 +5,7 @@
 //! to use. Embree works in f32, with absolute constants for lengths of about 1; scenes are
 //! moved to the middle of their bounding box first and scaled by a power of two to a size
 //! between 1 and 2, and rays with them, so that data of any size and place keep their digits.
+//! Rays that begin far away are given from a point beside the scene on.
 //!
 //! Embree advises its users to flush denormal numbers to zero (MXCSR bits FTZ and DAZ) on
 //! every tracing thread. We do not: the setting would change our own f64 arithmetic on the
@@ -458,8 +459,8 @@ impl EmbreeScene {
 
     /// Makes rays ready for this scene, in packets of the width given.
     ///
-    /// Origins, directions and ranges are rounded to f32 in the scene's frame; a range starts at 0
-    /// at the earliest.
+    /// Origins, directions and ranges are rounded to f32 in the scene's frame, after far origins
+    /// have been moved along their rays to beside the scene; a range starts at 0 at the earliest.
     pub fn rays(&self, rays: &[Ray], width: PacketWidth, coherence: Coherence) -> EmbreeRays {
         EmbreeRays::new(rays, &self.frame, width, coherence)
     }

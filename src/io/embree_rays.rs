@@ -31,7 +31,7 @@ pub enum PacketWidth {
 /// The first meeting of a ray and a mesh, as Embree reports it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmbreeHit {
-    /// The ray parameter, in units of the direction given; found in f32.
+    /// The ray parameter, in units of the direction given; found in f32, from beside the scene on.
     pub t: f64,
     /// Which mesh of the scene.
     pub mesh: u32,
@@ -155,14 +155,26 @@ impl<const N: usize> RayHit<N> {
     }
 }
 
+/// Distance of origins from the middle of the scene, in scaled coordinates, from which on they are
+/// moved nearer. The scene lies within √3 of its middle.
+const FAR: f64 = 3.0;
+
+/// The distance from the middle to which they are moved, at most: still outside the scene.
+const BESIDE: f64 = 2.0;
+
 /// A ray in the coordinates of a scene's frame, with a direction of length about 1: there
 /// Embree's absolute constants do the least harm.
+///
+/// Origins that are far away are moved along the ray to beside the scene, in f64, as f32 would lose
+/// digits to the distance.
 struct FramedRay {
     origin: Vec3,
     direction: Vec3,
     range: [f32; 2],
     /// What a `t` of 1 of this ray is, in units of the direction given.
     unit: f64,
+    /// Where this ray begins, in units of the direction given.
+    start: f64,
 }
 
 impl FramedRay {
@@ -170,11 +182,24 @@ impl FramedRay {
     fn new(ray: &Ray, frame: &ScaledFrame) -> Self {
         let factor = rounding::power_of_two_below(1.0 / ray.direction().length());
         let unit = factor / frame.scale;
+        let direction = ray.direction() * factor;
+        let mut origin = frame.scaled(ray.origin());
+        // Rays that go away from the scene miss it wherever they begin.
+        let distance = origin.length();
+        let mut moved = 0.0;
+        if distance > FAR && origin.dot(direction) < 0.0 {
+            moved = (distance - BESIDE) / direction.length();
+            origin += moved * direction;
+        }
+        let end = ray.t_max() / unit - moved;
+        // Embree takes no range that ends before the origin.
+        let end = if end < 0.0 { -1.0 } else { end };
         Self {
-            origin: frame.scaled(ray.origin()).as_vec3(),
-            direction: (ray.direction() * factor).as_vec3(),
-            range: [ray.t_min().max(0.0), ray.t_max()].map(|t| (t / unit) as f32),
+            origin: origin.as_vec3(),
+            direction: direction.as_vec3(),
+            range: [(ray.t_min().max(0.0) / unit - moved).max(0.0), end].map(|t| t as f32),
             unit,
+            start: moved * unit,
         }
     }
 }
@@ -195,8 +220,8 @@ pub(super) enum Packets {
 pub struct EmbreeRays {
     packets: Packets,
     coherence: Coherence,
-    /// For each ray what a `t` of 1 is, in units of the direction given.
-    units: Vec<f64>,
+    /// For each ray where it begins and what a `t` of 1 is, in units of the direction given.
+    units: Vec<[f64; 2]>,
 }
 
 impl EmbreeRays {
@@ -215,7 +240,7 @@ impl EmbreeRays {
             PacketWidth::Eight => Packets::Eight(packets(&rays)),
             PacketWidth::Sixteen => Packets::Sixteen(packets(&rays)),
         };
-        Self { packets, coherence, units: rays.iter().map(|ray| ray.unit).collect() }
+        Self { packets, coherence, units: rays.iter().map(|ray| [ray.start, ray.unit]).collect() }
     }
 
     pub(super) fn coherence(&self) -> Coherence {
@@ -233,9 +258,9 @@ impl EmbreeRays {
             Packets::Eight(packets) => packets.iter().flat_map(RayHit::hits).collect(),
             Packets::Sixteen(packets) => packets.iter().flat_map(RayHit::hits).collect(),
         };
-        for (hit, unit) in hits.iter_mut().zip(&self.units) {
+        for (hit, [start, unit]) in hits.iter_mut().zip(&self.units) {
             if let Some(hit) = hit {
-                hit.t *= unit;
+                hit.t = start + hit.t * unit;
             }
         }
         hits
@@ -317,5 +342,36 @@ mod tests {
                 assert_eq!((far.range, far.unit), (plain.range, plain.unit * size / length));
             }
         }
+    }
+
+    #[test]
+    fn far_rays_begin_beside_the_scene_and_keep_their_ranges() {
+        let frame = ScaledFrame { center: DVec3::new(7.0, 0.0, 0.0), scale: 0.25 };
+        let direction = DVec3::new(0.03, -0.05, 0.02); // towards a point near the middle
+        let near = frame.center + DVec3::new(0.1, 0.2, -0.3);
+        for steps in [1e3, 1e6, 1e9] {
+            let origin = near - steps * direction;
+            let ray = |range: [f64; 2]| {
+                let ray = Ray::with_range(origin, direction, range[0], range[1]).unwrap();
+                FramedRay::new(&ray, &frame)
+            };
+            let framed = ray([0.0, f64::INFINITY]);
+            let start = frame.scaled(origin + framed.start * direction);
+            assert!((start - framed.origin.as_dvec3()).length() < 1e-6 + 1e-15 * steps);
+            assert!((3_f64.sqrt()..3.1).contains(&start.length()), "{start}");
+            assert_eq!(framed.range, [0.0, f32::INFINITY]);
+
+            // Ranges are those of the ray as given, to f32 of a few scene sizes.
+            let given = [steps - 2.0, steps + 3.0];
+            let framed = ray(given);
+            let found = framed.range.map(|t| framed.start + f64::from(t) * framed.unit);
+            assert!((found[0] - given[0]).abs() < 1e-4, "{found:?}");
+            assert!((found[1] - given[1]).abs() < 1e-4, "{found:?}");
+            // One that ends before the scene meets nothing, one that begins before it is whole.
+            assert_eq!(ray([0.0, 0.3 * steps]).range, [0.0, -1.0]);
+            assert_eq!(ray([0.3 * steps, f64::INFINITY]).range, [0.0, f32::INFINITY]);
+        }
+        let away = Ray::new(DVec3::splat(1e6), DVec3::ONE).unwrap();
+        assert_eq!(FramedRay::new(&away, &frame).start, 0.0);
     }
 }

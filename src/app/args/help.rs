@@ -118,7 +118,8 @@ are equally near to the trim curves. nurbray evaluates the vertices, their
 positions only, on one thread; Embree copies them and builds its hierarchy.
 rtcIntersect1 (rtcOccluded1) for single rays; else the fastest of 1, 8 and 16.
 Triangles and rays are moved to the middle of the bounding box and scaled by a
-power of two to a size between 1 and 2, which suits Embree's constants best.
+power of two to a size between 1 and 2, which suits Embree's constants best; rays
+that begin far away are moved along themselves to beside the triangles first.
 tnear is 0. Rays that leave a surface begin twice the tolerance above it, along
 its normal, for Embree. (nurbray needs no offset.) A ray differs in t if the
 rival's hit is farther from the tangent plane of ours than the tolerance.
@@ -276,7 +277,8 @@ primitives of POV-Ray, too; the first twelve for each reason are named. DIR gets
   legend.svg                the colours of these differences
 
 The rival is given its best case: its scene is moved to the middle of the
-model's bounding box and scaled by a power of two, to a size between 1 and 2.
+model's bounding box and scaled by a power of two, to a size between 1 and 2;
+rays that begin far away are moved along themselves to beside it, in f64.
 Rays whose own answer nurbray flags as doubtful are left out and counted. The
 report lists the files written with it; other files in DIR stay. All are written
 at the end, the report last. Without POV-Ray the command fails, but leaves the

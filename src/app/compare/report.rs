@@ -49,7 +49,8 @@ const NOTES: &str = "\
 
 - **Scale**: Embree computes in f32, with constants made for lengths of about 1. Triangles and rays are
   handed over moved to the middle of the bounding box and scaled by a power of two, to a size
-  between 1 and 2: its best case.
+  between 1 and 2; rays that begin far away are moved along themselves to beside it, in f64: its
+  best case.
 - **Tolerance**: how far triangles may be from the surface, as a fraction of the diagonal of the
   model's bounding box. Every knot span is cut evenly, as often as the sampled distance demands,
   alike along each row and column of spans, so that no gaps open inside a surface. What trims keep
