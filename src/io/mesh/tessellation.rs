@@ -136,7 +136,8 @@ impl TessellationPlan {
 /// as the triangles are to the surface.
 ///
 /// Within a surface neighbouring grids share the vertices of their borders, bit for bit, also where
-/// smooth pieces meet and across seams. Between surfaces, and between the patches of a triangular
+/// smooth pieces meet. Across seams they do so if the control points there are the same; on closed
+/// surfaces with other knots at their ends, vertices agree to rounding. Between surfaces, and between the patches of a triangular
 /// or subdivision surface, they do so if the counts agree, as [`Tessellation::with_cells`] makes
 /// them; otherwise gaps as wide as the deviation may open.
 #[derive(Clone, Debug)]
