@@ -277,8 +277,9 @@ primitives of POV-Ray, too; the first twelve for each reason are named. DIR gets
   legend.svg                the colours of these differences
 
 The rival is given its best case: its scene is moved to the middle of the
-model's bounding box and scaled by a power of two, to a size between 1 and 2;
-rays that begin far away are moved along themselves to beside it, in f64.
+model's bounding box and scaled by a power of two, to a size between 1 and 2 (for
+POV-Ray larger, if small surfaces would be lost); for Embree, rays that begin far
+away are moved along themselves to beside it, in f64.
 Rays whose own answer nurbray flags as doubtful are left out and counted. The
 report lists the files written with it; other files in DIR stay. All are written
 at the end, the report last. Without POV-Ray the command fails, but leaves the

@@ -18,6 +18,9 @@ const FINE: f64 = 0.125;
 /// Points nearer to a side of a cell than this share of the cell lie on it.
 const ON_SIDE: f64 = 1e-10;
 
+/// The most points of a curve that one chord stands for: the work for each point is bounded by this.
+const MOST_LEFT_OUT: usize = 512;
+
 /// Trim curves as chords, and the cells of a piece that they cut.
 pub(super) struct Cutter<'a> {
     piece: &'a Piece,
@@ -286,7 +289,8 @@ fn thinned(points: &[DVec2], distance: f64, speeds: DVec2) -> Vec<DVec2> {
             let ends = [points[from], points[to]];
             points[from + 1..to].iter().all(|&point| off(point, ends) <= distance)
         };
-        from = (from + 2..points.len()).take_while(near).last().unwrap_or(from + 1);
+        let end = points.len().min(from + MOST_LEFT_OUT);
+        from = (from + 2..end).take_while(near).last().unwrap_or(from + 1);
         kept.push(points[from]);
     }
     kept
