@@ -136,6 +136,11 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
 fn is_same_place(a: &Path, b: &Path) -> bool {
     let place = |path: &Path| -> Option<PathBuf> {
         let path = followed(path);
+        // Devices may take several outputs.
+        let is_device = path.exists() && !path.is_file();
+        if is_device {
+            return None;
+        }
         let folder = match path.parent() {
             Some(folder) if folder != Path::new("") => folder.canonicalize().ok()?,
             _ => Path::new(".").canonicalize().ok()?,
