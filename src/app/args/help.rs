@@ -108,7 +108,7 @@ Bytes a Bezier patch: everything that tracing needs, divided by the number of
 patches that the surfaces are cut into at their knots (a triangular patch is
 three of these; trims and the hierarchy count, too).
 
---against embree: RTC_GEOMETRY_TYPE_GRID, a grid a smooth piece, with flag ROBUST;
+--against embree: RTC_GEOMETRY_TYPE_GRID, a grid a knot span, with flag ROBUST;
 libembree4 or libembree3, or the library named by EMBREE_LIB. Every knot span is
 cut evenly, as often as is needed for the sampled distance between surface and
 triangles to stay within tolerance x diagonal, and as often as its neighbours in

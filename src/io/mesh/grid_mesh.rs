@@ -249,8 +249,7 @@ impl GridMesh {
         &self.uv
     }
 
-    /// The grids: one a smooth piece of a surface, as few as possible for the whole cells of a
-    /// trimmed one.
+    /// The grids: one a knot span, as few as possible for the whole cells of a trimmed surface.
     pub fn grids(&self) -> &[Grid] {
         &self.grids
     }

@@ -137,12 +137,11 @@ impl Plan {
         measured.worst() > distance
     }
 
-    /// The number of vertices that the plan makes without trims; those on a border between pieces
-    /// count in each.
+    /// The number of vertices that the plan makes without trims; those on a border between knot
+    /// spans count in each.
     pub(super) fn vertex_count(&self) -> usize {
         let [rows, columns] = Direction::BOTH.map(|direction| {
-            let cells = self.counts[direction].iter().copied().fold(0, usize::saturating_add);
-            cells.saturating_add(self.starts[direction].len() - 1)
+            self.counts[direction].iter().fold(0, |sum: usize, n| sum.saturating_add(n + 1))
         });
         rows.saturating_mul(columns)
     }
@@ -164,7 +163,10 @@ impl Plan {
                 Some(trims) => {
                     Cutter::new(piece, trims, &lattice, (distance, speeds(piece)))?.carry_out(mesh)
                 }
-                None => push_whole(&lattice, mesh),
+                None => {
+                    let counts = Direction::BOTH.map(|d| &self.counts[d][spans[d].clone()]);
+                    push_spans(&lattice, counts, mesh)
+                }
             }
         })
     }
@@ -272,16 +274,20 @@ impl Plan {
     }
 }
 
-/// Adds all vertices of a piece as one grid, or as several if it is too large for that.
-fn push_whole(lattice: &Lattice, mesh: &mut GridMesh) -> Result<(), MeshError> {
-    let parts = |cells: usize| {
-        let starts = (0..cells).step_by(MAX_GRID_SIDE - 1);
-        starts.map(move |start| start..cells.min(start + MAX_GRID_SIDE - 1))
-    };
-    for rows in parts(lattice.us.len() - 1) {
-        for columns in parts(lattice.vs.len() - 1) {
-            mesh.push_lattice(lattice, [rows.clone(), columns])?;
+/// Adds all vertices of a piece, a grid for each knot span, which have these numbers of cells.
+fn push_spans(
+    lattice: &Lattice,
+    [rows, columns]: [&[usize]; 2],
+    mesh: &mut GridMesh,
+) -> Result<(), MeshError> {
+    let mut top = 0;
+    for &height in rows {
+        let mut left = 0;
+        for &width in columns {
+            mesh.push_lattice(lattice, [top..top + height, left..left + width])?;
+            left += width;
         }
+        top += height;
     }
     Ok(())
 }

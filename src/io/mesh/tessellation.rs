@@ -129,7 +129,7 @@ impl TessellationPlan {
     }
 }
 
-/// Surfaces as grids of triangles: one mesh a surface, one grid a smooth piece of it.
+/// Surfaces as grids of triangles: one mesh a surface, one grid a knot span.
 ///
 /// On trimmed surfaces, cells that are kept whole form grids as large as possible. The kept part of
 /// a cut cell is triangulated along chords of the trim curves; the chords are as near to the curves
@@ -137,9 +137,9 @@ impl TessellationPlan {
 ///
 /// Within a surface neighbouring grids share the vertices of their borders, bit for bit, also where
 /// smooth pieces meet. Across seams they do so if the control points there are the same; on closed
-/// surfaces with other knots at their ends, vertices agree to rounding. Between surfaces, and between the patches of a triangular
-/// or subdivision surface, they do so if the counts agree, as [`Tessellation::with_cells`] makes
-/// them; otherwise gaps as wide as the deviation may open.
+/// surfaces with other knots at their ends, vertices agree to rounding. Between surfaces, and
+/// between the patches of a triangular or subdivision surface, they do so if the counts agree, as
+/// [`Tessellation::with_cells`] makes them; otherwise gaps as wide as the deviation may open.
 #[derive(Clone, Debug)]
 pub struct Tessellation {
     meshes: Vec<GridMesh>,
