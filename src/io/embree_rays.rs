@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
+use super::mesh::{GridMesh, MeshPoint};
 use crate::intersect::Coherence;
 use crate::math::{Ray, rounding};
 use crate::patch::ScaledFrame;
@@ -44,6 +45,17 @@ pub struct EmbreeHit {
     pub place: DVec2,
     /// The normal of the triangle hit, of any length.
     pub geometric_normal: DVec3,
+}
+
+impl EmbreeHit {
+    /// The point that was hit, of the meshes that the scene was given as grids.
+    pub fn on(&self, meshes: &[GridMesh]) -> MeshPoint {
+        let (mesh, primitive) = (&meshes[self.mesh as usize], self.primitive as usize);
+        match self.kind {
+            EmbreePrimitive::Grid => mesh.at_grid(primitive, self.place),
+            EmbreePrimitive::Triangle => mesh.at_triangle(mesh.faces()[primitive], self.place),
+        }
+    }
 }
 
 /// Words after `geomID` that Embree may write: `instID`, in version 4 also `instPrimID`,

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use nurbray::intersect::{Coherence, Query, SurfaceBvh};
 use nurbray::io::mesh::Tessellation;
-use nurbray::io::{Embree, EmbreePrimitive, PacketWidth};
+use nurbray::io::{Embree, EmbreeHit, EmbreePrimitive, PacketWidth};
 use nurbray::math::Ray;
 
 use crate::models::Model;
@@ -40,17 +40,7 @@ pub(crate) fn meshed(embree: &Embree, tessellation: &Tessellation, rays: &[Ray])
     let scene = embree.scene(meshes, EmbreePrimitive::Grid).unwrap();
     let mut batch = scene.rays(rays, PacketWidth::Sixteen, Coherence::Coherent);
     scene.intersect(&mut batch);
-    let seen = batch.hits().into_iter().map(|hit| {
-        hit.map(|hit| {
-            let mesh = &meshes[hit.mesh as usize];
-            let point = match hit.kind {
-                EmbreePrimitive::Grid => mesh.at_grid(hit.primitive as usize, hit.place),
-                EmbreePrimitive::Triangle => {
-                    mesh.at_triangle(mesh.faces()[hit.primitive as usize], hit.place)
-                }
-            };
-            Seen { depth: hit.t, normal: point.normal, surface: hit.mesh }
-        })
-    });
-    seen.collect()
+    let seen =
+        |hit: EmbreeHit| Seen { depth: hit.t, normal: hit.on(meshes).normal, surface: hit.mesh };
+    batch.hits().into_iter().map(|hit| hit.map(seen)).collect()
 }

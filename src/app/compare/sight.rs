@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use nurbray::intersect::{Answer, SurfaceBvh};
+use nurbray::io::EmbreeHit;
 use nurbray::io::mesh::GridMesh;
-use nurbray::io::{EmbreeHit, EmbreePrimitive};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
@@ -87,13 +87,7 @@ pub(super) fn on_surface(answer: &Answer, ray: &Ray) -> Option<Sight> {
 
 /// What a ray meets on triangles, which have the normals of the surfaces.
 pub(super) fn on_mesh(hit: &EmbreeHit, ray: &Ray, meshes: &[GridMesh]) -> Sight {
-    let mesh = &meshes[hit.mesh as usize];
-    let vertex = match hit.kind {
-        EmbreePrimitive::Grid => mesh.at_grid(hit.primitive as usize, hit.place),
-        EmbreePrimitive::Triangle => {
-            mesh.at_triangle(mesh.faces()[hit.primitive as usize], hit.place)
-        }
-    };
+    let vertex = hit.on(meshes);
     Sight {
         distance: hit.t * ray.direction().length(),
         point: ray.at(hit.t),

@@ -269,15 +269,16 @@ impl GridMesh {
     }
 
     /// The point of triangle `corners` with barycentric coordinates `place` of its second and
-    /// third corner; the normal is interpolated and normalised.
+    /// third corner; the normal is interpolated and normalised. Normal and parameters are NaN if the
+    /// mesh was made without them.
     pub fn at_triangle(&self, corners: [u32; 3], place: DVec2) -> MeshPoint {
         let weights = [1.0 - place.x - place.y, place.x, place.y];
         let mut point = MeshPoint { position: DVec3::ZERO, normal: DVec3::ZERO, uv: DVec2::ZERO };
         for (corner, weight) in corners.into_iter().zip(weights) {
             let corner = corner as usize;
             point.position += weight * self.positions[corner];
-            point.normal += weight * self.normals[corner];
-            point.uv += weight * self.uv[corner];
+            point.normal += weight * self.normals.get(corner).unwrap_or(&DVec3::NAN);
+            point.uv += weight * self.uv.get(corner).unwrap_or(&DVec2::NAN);
         }
         point.normal = point.normal.normalize();
         point

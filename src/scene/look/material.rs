@@ -79,15 +79,21 @@ impl Material {
     /// The share of light sent back at (u, v) of a surface with this domain, linear Rec. 709.
     ///
     /// Parameters off the domain take the colour of its nearest border; NaN that of its start.
-    pub fn albedo(&self, uv: DVec2, domain: [(f64, f64); 2]) -> Rgb {
-        let place = [share(uv.x, domain[0]), share(uv.y, domain[1])];
+    /// The domain is only asked for where the colour depends on the place.
+    pub fn albedo(&self, uv: DVec2, domain: impl FnOnce() -> [(f64, f64); 2]) -> Rgb {
+        let place = || {
+            let [u, v] = domain();
+            [share(uv.x, u), share(uv.y, v)]
+        };
         match self.texture {
             Texture::Constant(color) => color,
             Texture::Checker { count, colors } => {
+                let place = place();
                 let cells = cell(place[0], count[0]) + cell(place[1], count[1]);
                 colors[(cells % 2) as usize]
             }
             Texture::IsoLines { count, width, line, base } => {
+                let place = place();
                 let on_line = (0..2).any(|k| near_line(place[k], count[k], width));
                 if on_line { line } else { base }
             }
@@ -123,7 +129,7 @@ mod tests {
     const B: Rgb = [0.0, 0.0, 1.0];
 
     fn at(texture: Texture, u: f64, v: f64) -> Rgb {
-        Material { name: "m".into(), texture }.albedo(DVec2::new(u, v), DOMAIN)
+        Material { name: "m".into(), texture }.albedo(DVec2::new(u, v), || DOMAIN)
     }
 
     #[test]

@@ -12,7 +12,7 @@ mod unique_names;
 use crate::geometry::Surface;
 use crate::intersect::{BuildError, Hit, SurfaceBvh};
 use crate::scene::errors::{SceneError, SceneFault};
-use crate::scene::look::{Camera, Light, Material, Rgb, Texture, check_amount};
+use crate::scene::look::{Camera, Light, Material, Rgb, check_amount};
 use crate::scene::making::{Made, Placer};
 use crate::scene::written::{Object, Place, RenderDefaults, Scene, Written};
 
@@ -132,11 +132,7 @@ impl World {
     /// The share of light sent back at a hit.
     pub(crate) fn albedo(&self, hit: &Hit) -> Rgb {
         let instance = &self.surfaces[hit.surface as usize];
-        let material = &self.materials[instance.material];
-        match material.texture {
-            Texture::Constant(color) => color,
-            _ => material.albedo(hit.uv, instance.surface.tile(hit.uv)),
-        }
+        self.materials[instance.material].albedo(hit.uv, || instance.surface.tile(hit.uv))
     }
 
     /// The same world with only the surfaces whose indices `keep` accepts.
