@@ -1,10 +1,11 @@
 //! Decides which hits of a leaf the trims of its surface keep.
 
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f64x8, mask64x8};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 use fearless_simd_macros::simd;
 use glam::DVec2;
 
 use super::hit_place::HitPlace;
+use super::vectors::{lane_bits, splat};
 use super::view::BvhView;
 use crate::geometry::trim::{self, Side, WINDOW_REACH, WINDOW_SPARE, WindowCurve};
 use crate::intersect::roots::borders::{TRIM_REACH, TRIM_SPARE, trim_reach};
@@ -49,25 +50,31 @@ fn window_keeps(window: &[WindowCurve], leaf: &Leaf, found: &HitPlace) -> Option
 const _: () = assert!(1.0 + 2.0 * WIDENING + WINDOW_SPARE < WINDOW_REACH);
 const _: () = assert!(WINDOW_REACH <= FIT_DOMAIN);
 
-/// Eight places on a leaf, and by how much they may be off, in box coordinates.
+/// What rounding of sixteen places to f32, and of what is computed of them, adds to how far they
+/// may be off: some ten units of 2⁻²⁴, for coordinates of about one.
+const SPARE_OF_F32: f32 = 6e-7;
+
+/// Sixteen places on a leaf, and by how much they may be off, in box coordinates.
 pub(super) struct Places<S: Simd> {
-    pub(super) at: [f64x8<S>; 2],
-    pub(super) reach: [f64x8<S>; 2],
+    pub(super) at: [f32x16<S>; 2],
+    pub(super) reach: [f32x16<S>; 2],
 }
 
-/// The lanes that a window keeps, and those for which it tells: [`trim::is_kept`] for eight places.
+/// The lanes that a window keeps, and those for which it tells, a bit each: [`trim::is_kept`] for
+/// sixteen places.
 #[simd]
 pub(super) fn kept_in_window<S: Simd>(
     simd: S,
     window: &[WindowCurve],
     places: &Places<S>,
-) -> [mask64x8<S>; 2] {
-    let splat = |x: f32| f64x8::splat(simd, f64::from(x));
+) -> [u32; 2] {
+    let splat = |x: f32| splat(simd, x);
     let [x, y] = places.at;
-    let [reach_x, reach_y] = places.reach.map(|reach| reach + f64x8::splat(simd, WINDOW_SPARE));
-    let most = f64x8::splat(simd, WINDOW_REACH);
+    let spare = splat(WINDOW_SPARE as f32 + SPARE_OF_F32);
+    let [reach_x, reach_y] = places.reach.map(|reach| reach + spare);
+    let most = splat(WINDOW_REACH as f32);
     let is_seen = (x.abs() + reach_x).simd_le(most) & (y.abs() + reach_y).simd_le(most);
-    let [mut is_odd, mut decided] = [simd.splat_mask64x8(false), is_seen];
+    let [mut is_odd, mut decided] = [mask32x16::splat(simd, false), is_seen];
     for curve in window {
         let [[left_end, right_end], [low, high]] = [curve.x.map(splat), curve.y.map(splat)];
         let apart = (x + reach_x).simd_lt(left_end)
@@ -84,52 +91,56 @@ pub(super) fn kept_in_window<S: Simd>(
         let is_level = low.simd_le(y) & y.simd_lt(high);
         is_odd ^= is_level & apart.select(x.simd_lt(left_end), left);
     }
-    [is_odd, decided & simd.splat_mask64x8(!window.is_empty())]
+    let decided = if window.is_empty() { 0 } else { lane_bits(decided) };
+    [lane_bits(is_odd), decided]
 }
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::SimdMask;
-
     use super::*;
     use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims, UvBox};
     use crate::intersect::Kernel;
     use crate::intersect::level::dispatch;
+    use crate::intersect::tree::nodes::LANES;
     use crate::math::SplitMix;
     use crate::math::bits::has;
 
     #[test]
-    fn eight_places_are_kept_as_one_is() {
+    fn sixteen_places_are_kept_as_one_is() {
         let domain = TrimDomain::new([0.0, 1.0], [0.0, 1.0]).unwrap();
         let loops = [0.4, 0.3].map(|r| TrimLoop::circle(DVec2::splat(0.5), r).unwrap());
         let trims = Trims::new(domain, Kept::Odd, &loops).unwrap();
         let mut random = SplitMix::new(17);
-        let mut counts = [0; 3];
+        let (mut counts, mut left) = ([0; 3], 0);
         for k in 0..3000 {
             let center = DVec2::new(random.unit(), random.unit());
             let half = 0.2 * random.unit();
             let window = trims.window(&UvBox::about(center, DVec2::splat(half)), DVec2::ZERO);
-            let mut eight = |size: f64| -> [f64; 8] {
-                std::array::from_fn(|_| size * (2.0 * random.unit() - 1.0))
+            let mut sixteen = |size: f64| -> [f32; LANES] {
+                std::array::from_fn(|_| (size * (2.0 * random.unit() - 1.0)) as f32)
             };
-            let at = [eight(1.08), eight(1.08)];
-            let mut reach = [eight(1e-2), eight(1e-4)].map(|lanes| lanes.map(f64::abs));
+            let at = [sixteen(1.08), sixteen(1.08)];
+            let mut reach = [sixteen(1e-2), sixteen(1e-4)].map(|lanes| lanes.map(f32::abs));
             if k % 5 == 0 {
-                (reach[0][1], reach[1][2]) = (f64::NAN, f64::INFINITY);
+                (reach[0][1], reach[1][2]) = (f32::NAN, f32::INFINITY);
             }
             let said = dispatch!(Kernel::best_level(), simd => {
-                let lanes = |of: [[f64; 8]; 2]| of.map(|of| f64x8::from_slice(simd, &of));
+                let lanes = |of: [[f32; LANES]; 2]| of.map(|of| f32x16::from_slice(simd, &of));
                 let places = Places { at: lanes(at), reach: lanes(reach) };
-                kept_in_window(simd, &window, &places).map(|lanes| lanes.to_bitmask())
+                kept_in_window(simd, &window, &places).map(u64::from)
             });
-            for lane in 0..8 {
-                let [at, reach] = [at, reach].map(|of| DVec2::new(of[0][lane], of[1][lane]));
+            for lane in 0..LANES {
+                let [at, reach] = [at, reach]
+                    .map(|of| DVec2::new(f64::from(of[0][lane]), f64::from(of[1][lane])));
                 let one = trim::is_kept(&window, at, reach);
                 let [kept, decided] = said.map(|bits| has(bits, lane));
-                assert_eq!(decided.then_some(kept), one, "{at} of {window:?}");
+                let lanes = decided.then_some(kept);
+                // In f32 a little more is left open.
+                assert!(lanes == one || lanes.is_none(), "{at} of {window:?}");
+                left += u32::from(lanes != one);
                 counts[one.map_or(2, usize::from)] += 1;
             }
         }
-        assert!(counts.iter().all(|count| *count > 3000), "{counts:?}");
+        assert!(counts.iter().all(|count| *count > 6000) && left < 10, "{counts:?}, {left}");
     }
 }

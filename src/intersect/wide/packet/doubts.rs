@@ -15,7 +15,7 @@ use super::target::Target;
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::proof::bounds::{DISTANCE_ROUNDING, LARGEST};
 use crate::intersect::wide::proof::lanes::Errors;
-use crate::intersect::wide::search::distances::{LaneDistances, sizes};
+use crate::intersect::wide::search::distances::{LaneDistances, terms};
 use crate::intersect::wide::vectors::lane_bits;
 use crate::math::bits::set_bits;
 
@@ -99,7 +99,7 @@ impl Doubts {
         let BoxCrossing { base, entry, .. } = *crossing;
         let leaf = target.leaf;
         let fitted = target.fitted();
-        let terms = distances.terms(simd, sizes(simd, fitted), packet.sixteen(base));
+        let terms = terms(simd, fitted, distances.in_middle(simd), packet.sixteen(base));
         let weighted = error * f32x16::splat(simd, fitted.heaviest());
         let noise = terms * f32x16::splat(simd, DISTANCE_ROUNDING);
         let [x, y] = leaf.half_side_lengths();

@@ -267,16 +267,18 @@ fn kept_by_trims<S: Simd>(
     reach: f64x8<S>,
 ) -> [mask64x8<S>; 2] {
     let window = target.view.windows.of(target.index);
+    let narrow = |lanes: f64x8<S>| simd.narrow_f64x8(lanes, lanes);
     let at = |k: usize| {
         let (middle, per_half) = (closer.middle[k], closer.per_half[k]);
-        (st[k] - f64x8::splat(simd, middle)) * f64x8::splat(simd, per_half)
+        narrow((st[k] - f64x8::splat(simd, middle)) * f64x8::splat(simd, per_half))
     };
-    let reach_in_box = closer.per_half.map(|per_half| reach * f64x8::splat(simd, per_half));
-    let places = Places { at: [at(0), at(1)], reach: reach_in_box };
-    let [kept, decided] = kept_in_window(simd, window, &places);
-    let [mut kept, mut decided] = [kept & decided & asked, decided & asked].map(|m| m.to_bitmask());
+    let in_box = |k: usize| narrow(reach * f64x8::splat(simd, closer.per_half[k]));
+    let places = Places { at: [at(0), at(1)], reach: [in_box(0), in_box(1)] };
+    let asked = asked.to_bitmask();
+    let [kept, decided] = kept_in_window(simd, window, &places).map(u64::from);
+    let [mut kept, mut decided] = [kept & decided & asked, decided & asked];
     // The trims themselves tell where the window does not.
-    for k in set_bits(asked.to_bitmask() & !decided) {
+    for k in set_bits(asked & !decided) {
         let side = target.piece.side(DVec2::new(st[0][k], st[1][k]), DVec2::splat(reach[k]));
         kept |= u64::from(side == Side::Inside) << k;
         decided |= u64::from(matches!(side, Side::Inside | Side::Outside)) << k;

@@ -19,6 +19,7 @@ use crate::intersect::wide::PACKET;
 use crate::intersect::wide::proof::certified::certify;
 use crate::intersect::wide::proof::screen::Screened;
 use crate::intersect::wide::reach::WIDENED;
+use crate::intersect::wide::search::distances::step_from_middle;
 use crate::intersect::wide::surface::sums::OneNet;
 use crate::intersect::wide::vectors::lane_bits;
 use crate::intersect::wide::view::BvhView;
@@ -128,9 +129,8 @@ fn search_group<S: Simd, Q>(
         return false;
     }
     let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
-    // Flat leaves need no search in f32, which shows no more of them before the closer look in f64.
-    let is_flat = target.leaf.is_flat() && !packet.any;
-    let known = !is_flat || doubted != 0;
+    // Flat leaves need no search in f32.
+    let known = !target.leaf.is_flat() || doubted != 0;
     if known {
         work.distances.take(simd, target.fitted(), packet.sixteen(base));
     }
@@ -169,10 +169,19 @@ fn search_certified<S: Simd, Q>(
     let mut found = false;
     let start = [crossing.x, crossing.y];
     let widened = f32x16::splat(simd, WIDENED as f32);
-    let is_flat = target.leaf.is_flat() && !packet.any;
-    let near = (!is_flat).then(|| work.distances.newton(simd, start, [[-widened, widened]; 2]));
+    // In flat leaves it shows no more before the closer look in f64, but for rays that may need
+    // none.
+    let is_flat = target.leaf.is_flat();
+    let near = if !is_flat {
+        Some(work.distances.newton(simd, start, [[-widened, widened]; 2]))
+    } else if packet.any {
+        Some(step_from_middle(simd, target.fitted(), packet.sixteen(base), widened))
+    } else {
+        None
+    };
     if let Some(near) = &near {
-        let searched = Searched { distances: &work.distances, near };
+        let middle = if is_flat { near.last.distances } else { work.distances.in_middle(simd) };
+        let searched = Searched { middle, near };
         let Screened { missed, met } = screen(simd, target, packet, crossing, searched, asked);
         certain &= !(missed | met);
         if met != 0 {
@@ -185,7 +194,8 @@ fn search_certified<S: Simd, Q>(
     }
     ahead.ask(Moment::Finish);
     let refined = match &near {
-        Some(near) => work.distances.refine(simd, near),
+        Some(near) if !is_flat => work.distances.refine(simd, near),
+        Some(near) => near.place(),
         None => start.map(|x| x.max(-widened).min(widened)),
     };
     let closer = leaf.closer.get_or_init(|| target.closer());

@@ -8,7 +8,7 @@ use super::rays::Packet;
 use super::target::Target;
 use crate::intersect::wide::proof::certified::upright;
 use crate::intersect::wide::proof::screen::{INSIDE, Screen, Screened};
-use crate::intersect::wide::search::distances::{LaneDistances, NearRoots, sizes};
+use crate::intersect::wide::search::distances::{NearRoots, terms};
 use crate::intersect::wide::vectors::{lane_bits, splat};
 
 /// Some of sixteen rays.
@@ -22,7 +22,8 @@ pub(super) struct Asked<S: Simd> {
 
 /// A leaf's distances from sixteen rays, and the places near roots that the search in f32 found.
 pub(super) struct Searched<'a, S: Simd> {
-    pub(super) distances: &'a LaneDistances,
+    /// The distances in the leaf's middle.
+    pub(super) middle: [f32x16<S>; 2],
     pub(super) near: &'a NearRoots<S>,
 }
 
@@ -34,7 +35,7 @@ pub(super) fn screen<S: Simd>(
     target: &Target<'_>,
     packet: &Packet,
     crossing: &BoxCrossing<S>,
-    Searched { distances, near }: Searched<'_, S>,
+    Searched { middle, near }: Searched<'_, S>,
     Asked { lanes, error }: Asked<S>,
 ) -> Screened {
     // Rays that hit the leaf, as most do, are not worth screening if more is wanted of them.
@@ -50,16 +51,13 @@ pub(super) fn screen<S: Simd>(
         oriented: target.oriented,
         normals: rays.normals(simd),
         upright: upright(simd, target.leaf, crossing.slopes),
-        terms: distances.terms(simd, sizes(simd, target.fitted()), rays),
+        terms: terms(simd, target.fitted(), middle, rays),
         error: error * splat(simd, target.fitted().heaviest()),
+        window: target.view.windows.of(target.index),
     };
     let Screened { missed, met } = screen.ask(simd, near);
-    let met = if packet.any && !target.leaf.is_trimmed() {
-        met & packet.within_range(simd, crossing)
-    } else {
-        0
-    };
-    Screened { missed: outside & missed, met: lanes & met }
+    let met = if packet.any { met & packet.within_range(simd, crossing) } else { 0 };
+    Screened { missed: lanes & missed, met: lanes & met }
 }
 
 #[cfg(test)]
@@ -70,13 +68,15 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::geometry::shapes;
+    use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
+    use crate::geometry::{NurbsSurface, TrimmedSurface, shapes};
     use crate::intersect::Kernel;
     use crate::intersect::level::dispatch;
     use crate::intersect::wide::packet::box_crossing::cross_box;
     use crate::intersect::wide::packet::load::{find_planes, load};
     use crate::intersect::wide::proof::certified::certify;
     use crate::intersect::wide::reach::WIDENED;
+    use crate::intersect::wide::search::distances::LaneDistances;
     use crate::intersect::wide::wanted::Wanted;
     use crate::intersect::wide::weighted_hills;
     use crate::intersect::{Hit, Query, SurfaceBvh};
@@ -107,7 +107,7 @@ mod tests {
             let start = [crossing.x, crossing.y];
             let near = distances.newton(simd, start, [[-widened, widened]; 2]);
             let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
-            let searched = Searched { distances: &distances, near: &near };
+            let searched = Searched { middle: distances.in_middle(simd), near: &near };
             let asked = Asked { lanes: certified, error };
             (screen(simd, &target, &packet, &crossing, searched, asked), certified)
         })
@@ -122,12 +122,29 @@ mod tests {
         hits.iter().any(|hit| hit.root.piece == leaf.piece && inside(hit.root.st))
     }
 
+    /// A surface with round holes, near to each other.
+    fn with_holes(surface: &NurbsSurface) -> SurfaceBvh {
+        let domain = TrimDomain::of(surface).unwrap();
+        let bounds = domain.bounds();
+        let holes = (0..25).map(|k| {
+            let place = DVec2::new((k % 5 - 2) as f64, (k / 5 - 2) as f64) / 6.0;
+            let center = bounds.center() + bounds.size() * place;
+            TrimLoop::circle(center, 0.07 * bounds.size().min_element()).unwrap()
+        });
+        let trims = Trims::new(domain, Kept::Even, &holes.collect::<Vec<_>>()).unwrap();
+        let trimmed = TrimmedSurface::new(surface.clone(), trims).unwrap();
+        SurfaceBvh::build(&[trimmed]).unwrap()
+    }
+
     /// Lines through places of a leaf and just outside of it, at any angle for which its
     /// certificate holds.
     #[test]
     fn what_is_said_of_a_leaf_is_so() {
         let bodies = [shapes::sphere(1.0), shapes::torus(1.0, 0.4), Ok(weighted_hills())]
-            .map(|body| SurfaceBvh::build(&[body.unwrap()]).unwrap());
+            .map(Result::unwrap);
+        let trimmed = bodies.clone().map(|body| with_holes(&body));
+        let plain = bodies.map(|body| SurfaceBvh::build(&[body]).unwrap());
+        let bodies: Vec<SurfaceBvh> = plain.into_iter().chain(trimmed).collect();
         let [asked, missed, met] = [Cell::new(0), Cell::new(0), Cell::new(0)];
         let config = same_cases(1_500);
         let place = || prop_oneof![-1.3..1.3f64, -1.03..-0.97f64, 0.97..1.03f64];

@@ -23,6 +23,17 @@
 //! it (Miranda 1940). Where the leaf's certificate holds for the ray, that root is the only one in
 //! the widened leaf.
 //!
+//! *Trims keep it, or do not.* The leaf's window tells on which side of the trim curves the square
+//! of half side `ρ` about `x₂` lies, and as much more as the closer look in f64 would count as an
+//! edge: `8 e s / l` along a half side of length `l`, with the leaf's stretch `s`, and the error `e`
+//! of the hit along the ray, which is that of a point over the cosine between ray and normal. Of
+//! all steps in the tangent plane whose part across the ray has length one, the longest is as long
+//! as one over the cosine. In box coordinates it is at most `α'`, the largest row sum of the inverse
+//! Jacobian at the root; so one over the cosine is at most `α' (|S_x| + |S_y|)`. The Jacobian at the
+//! root differs from `J` by at most `2σ + 2M r` in a row; where `α` times that is at most a quarter,
+//! `α'` is at most `4 α`, as `ν` is less than a half. And `|S_x| + |S_y|` is at most its value in
+//! the middle and `2σ + 2M |x|`.
+//!
 //! *There is none.* Where `x₁` lies beyond the leaf, the certificate shows from `F(x₁)` alone that
 //! the leaf is missed: see [`Certificate`](crate::patch::Certificate). `F(x₁)` differs from `f` by
 //! at most `E`, and the condition on `F(x₁)` holds for its multiples, too.
@@ -30,8 +41,10 @@
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 
 use super::bounds::{DISTANCE_ROUNDING, LARGEST};
+use crate::geometry::trim::WindowCurve;
 use crate::intersect::wide::reach::LEAF;
 use crate::intersect::wide::search::distances::{LastStep, NearRoots};
+use crate::intersect::wide::trimmed::{EDGE_REACH, Places, kept_in_window};
 use crate::intersect::wide::vectors::{lane_bits, splat};
 use crate::patch::{CLEAR, Leaf, OrientedBox, SURELY, WIDENING};
 
@@ -73,6 +86,8 @@ pub(crate) struct Screen<'a, S: Simd> {
     pub terms: f32x16<S>,
     /// Error bound of a point's distance from the ray, times the weight.
     pub error: f32x16<S>,
+    /// What trims keep of the leaf, if a trim curve passes through it.
+    pub window: &'a [WindowCurve],
 }
 
 impl<S: Simd> Screen<'_, S> {
@@ -112,12 +127,45 @@ impl<S: Simd> Screen<'_, S> {
         let beyond = (farthest - spare).simd_gt(splat(simd, LEAF));
         let within = (farthest + spare).simd_le(splat(simd, INSIDE));
         let mut missed = lane_bits(known & in_domain & beyond);
+        let mut met = lane_bits(known & within);
+        if leaf.is_trimmed() {
+            let turned = bend.mul_add(reach + reach, per_move);
+            let fixed = (by_inverse * turned).simd_le(splat(simd, 0.25));
+            let [kept, decided] = self.kept(simd, to, radius, by_inverse);
+            missed |= lane_bits(known & in_domain & fixed) & decided & !kept;
+            met &= lane_bits(fixed) & decided & kept;
+        }
         let outside =
             [from[0].abs().simd_gt(splat(simd, LEAF)), from[1].abs().simd_gt(splat(simd, LEAF))];
         if (outside[0] | outside[1]).any_true() {
             missed |= lane_bits(self.away(simd, (from, outside), [f1, f2], off));
         }
-        Screened { missed, met: lane_bits(known & within) }
+        Screened { missed, met }
+    }
+
+    /// Which roots trims keep, and for which that is known, a bit each: of roots that are within
+    /// `radius` of a place, for the largest row sums of the inverse Jacobian there.
+    #[inline(always)]
+    fn kept(
+        &self,
+        simd: S,
+        at: [f32x16<S>; 2],
+        radius: f32x16<S>,
+        by_inverse: f32x16<S>,
+    ) -> [u32; 2] {
+        let leaf = self.leaf;
+        let lengths = leaf.half_side_lengths();
+        let span =
+            lengths[0] + lengths[1] + 2.0 * leaf.slope_error() + 2.0 * DOMAIN * leaf.fit_bend();
+        // How near an edge counts, times the length of the half side. A tenth is for rounding.
+        let edge = 4.4 * EDGE_REACH as f32 * leaf.stretch() * span;
+        let edge = by_inverse * self.error * splat(simd, edge);
+        let [x, y] = lengths;
+        let reach = [
+            edge.mul_add(splat(simd, 1.0 / x), radius),
+            edge.mul_add(splat(simd, 1.0 / y), radius),
+        ];
+        kept_in_window(simd, self.window, &Places { at, reach })
     }
 
     /// The lanes that are beyond the leaf on some side, and for which the certificate shows that

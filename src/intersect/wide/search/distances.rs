@@ -51,6 +51,32 @@ pub(crate) struct LastStep<S: Simd> {
     pub inverse: [[f32x16<S>; 2]; 2],
 }
 
+impl<S: Simd> NearRoots<S> {
+    /// The place, in box coordinates.
+    #[inline(always)]
+    pub(crate) fn place(&self) -> [f32x16<S>; 2] {
+        self.near
+    }
+}
+
+impl<S: Simd> LastStep<S> {
+    /// The step from a place with these distances and slopes.
+    #[inline(always)]
+    fn new(
+        simd: S,
+        from: [f32x16<S>; 2],
+        distances: [f32x16<S>; 2],
+        slopes: [[f32x16<S>; 2]; 2],
+    ) -> Self {
+        let ([f1, f2], [[a1, a2], [b1, b2]]) = (distances, slopes);
+        let d = f32x16::splat(simd, 1.0) / (a1 * b2 - a2 * b1);
+        let inverse = [[b2 * d, -b1 * d], [-a2 * d, a1 * d]];
+        let [[xx, xy], [yx, yy]] = inverse;
+        let to = [from[0] - xx.mul_add(f1, xy * f2), from[1] - yx.mul_add(f1, yy * f2)];
+        Self { from, to, distances, slopes, inverse }
+    }
+}
+
 impl LaneDistances {
     /// Sets the distances of sixteen rays.
     ///
@@ -95,23 +121,10 @@ impl LaneDistances {
         }
     }
 
-    /// The sum of the absolute values of all terms that the coefficients were added up from, for
-    /// the larger of the two distances: the measure of their rounding error. `sizes` are those of
-    /// the leaf.
-    #[simd]
-    pub(crate) fn terms<S: Simd>(&self, simd: S, sizes: [f32; 4], rays: Sixteen<'_>) -> f32x16<S> {
-        let mut terms = f32x16::splat(simd, 0.0);
-        let normals = rays.normals(simd);
-        for k in 0..2 {
-            let n = normals[k];
-            let middle = f32x16::from_slice(simd, &self.of[k][0]).abs();
-            let mut sum = middle * f32x16::splat(simd, sizes[3]);
-            for axis in 0..3 {
-                sum = n[axis].abs().mul_add(f32x16::splat(simd, sizes[axis]), sum);
-            }
-            terms = terms.max(sum);
-        }
-        terms
+    /// The distances in the leaf's middle.
+    #[inline(always)]
+    pub(crate) fn in_middle<S: Simd>(&self, simd: S) -> [f32x16<S>; 2] {
+        [f32x16::from_slice(simd, &self.of[0][0]), f32x16::from_slice(simd, &self.of[1][0])]
     }
 
     /// Runs Newton's iteration in box coordinates, from starts there and within rectangles.
@@ -129,15 +142,10 @@ impl LaneDistances {
         for _ in 0..STEPS_IN_F32 {
             let [f1, a1, b1] = evaluate(simd, &self.of[0], x, y);
             let [f2, a2, b2] = evaluate(simd, &self.of[1], x, y);
-            let d = f32x16::splat(simd, 1.0) / (a1 * b2 - a2 * b1);
-            let inverse = [[b2 * d, -b1 * d], [-a2 * d, a1 * d]];
-            let [[xx, xy], [yx, yy]] = inverse;
-            let to = [x - xx.mul_add(f1, xy * f2), y - yx.mul_add(f1, yy * f2)];
-            let (distances, slopes) = ([f1, f2], [[a1, a2], [b1, b2]]);
-            last = LastStep { from: [x, y], to, distances, slopes, inverse };
+            last = LastStep::new(simd, [x, y], [f1, f2], [[a1, a2], [b1, b2]]);
             // `max` with a bound turns a NaN into that bound.
-            x = to[0].max(low_x).min(high_x);
-            y = to[1].max(low_y).min(high_y);
+            x = last.to[0].max(low_x).min(high_x);
+            y = last.to[1].max(low_y).min(high_y);
         }
         NearRoots { near: [x, y], last }
     }
@@ -161,6 +169,61 @@ impl LaneDistances {
         let step = [xx.mul_add(f1, xy * f2), yx.mul_add(f1, yy * f2)];
         [long.select(x - step[0], x), long.select(y - step[1], y)]
     }
+}
+
+/// One step of Newton's from the middle of a flat leaf, by the linear terms of the distances of
+/// sixteen rays: there it leads about as near to the root as f32 can tell.
+#[simd]
+pub(crate) fn step_from_middle<S: Simd>(
+    simd: S,
+    Fitted { leaf, weight }: Fitted<'_>,
+    rays: Sixteen<'_>,
+    widened: f32x16<S>,
+) -> NearRoots<S> {
+    let middle = middle_distances(simd, leaf, rays);
+    let normals = rays.normals(simd);
+    let [x, y, z] = leaf.fit();
+    // The values in the middle, and the slopes by `x` and `y`. Loops, as closures are not inlined.
+    let mut sums = [middle; 3];
+    for (sum, m) in sums.iter_mut().zip([0, 4, 1]) {
+        let (x, y, z) =
+            (f32x16::splat(simd, x[m]), f32x16::splat(simd, y[m]), f32x16::splat(simd, z[m]));
+        let one_or_none = if m == 0 { 1.0 } else { 0.0 };
+        let weight = f32x16::splat(simd, weight.map_or(one_or_none, |weight| weight[m]));
+        for k in 0..2 {
+            let n = normals[k];
+            let c = n[2].mul_add(z, n[1].mul_add(y, n[0] * x));
+            sum[k] = weight.mul_add(middle[k], c);
+        }
+    }
+    let [distances, by_x, by_y] = sums;
+    let last = LastStep::new(simd, [f32x16::splat(simd, 0.0); 2], distances, [by_x, by_y]);
+    let [x, y] = last.to;
+    let near = [x.max(-widened).min(widened), y.max(-widened).min(widened)];
+    NearRoots { near, last }
+}
+
+/// The sum of the absolute values of all terms that a leaf's distances from sixteen rays were added
+/// up from, for the larger of the two: the measure of their rounding error. `middle` are the
+/// distances in the leaf's middle.
+#[simd]
+pub(crate) fn terms<S: Simd>(
+    simd: S,
+    fitted: Fitted<'_>,
+    middle: [f32x16<S>; 2],
+    rays: Sixteen<'_>,
+) -> f32x16<S> {
+    let sizes = sizes(simd, fitted);
+    let mut terms = f32x16::splat(simd, 0.0);
+    let normals = rays.normals(simd);
+    for k in 0..2 {
+        let mut sum = middle[k].abs() * f32x16::splat(simd, sizes[3]);
+        for axis in 0..3 {
+            sum = normals[k][axis].abs().mul_add(f32x16::splat(simd, sizes[axis]), sum);
+        }
+        terms = terms.max(sum);
+    }
+    terms
 }
 
 /// The sums of the absolute values of the coefficients of a leaf's approximation, by coordinate,
