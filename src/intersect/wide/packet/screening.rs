@@ -55,9 +55,9 @@ pub(super) fn screen<S: Simd>(
         error: error * splat(simd, target.fitted().heaviest()),
         window: target.view.windows.of(target.index),
     };
-    let Screened { missed, met } = screen.ask(simd, near);
+    let Screened { missed, met } = screen.ask(simd, near, lanes);
     let met = if packet.any { met & packet.within_range(simd, crossing) } else { 0 };
-    Screened { missed: lanes & missed, met: lanes & met }
+    Screened { missed, met }
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@
 //! the leaf is missed: see [`Certificate`](crate::patch::Certificate). `F(x₁)` differs from `f` by
 //! at most `E`, and the condition on `F(x₁)` holds for its multiples, too.
 
-use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 
 use super::bounds::{DISTANCE_ROUNDING, LARGEST};
 use crate::geometry::trim::WindowCurve;
@@ -91,9 +91,10 @@ pub(crate) struct Screen<'a, S: Simd> {
 }
 
 impl<S: Simd> Screen<'_, S> {
-    /// What the last step of the search proves of the rays, whatever the part of them that counts.
+    /// What the last step of the search proves of the rays whose bit is set in `lanes`, whatever the
+    /// part of them that counts.
     #[inline(always)]
-    pub(crate) fn ask(&self, simd: S, searched: &NearRoots<S>) -> Screened {
+    pub(crate) fn ask(&self, simd: S, searched: &NearRoots<S>, lanes: u32) -> Screened {
         let LastStep { from, to, distances: [f1, f2], slopes, inverse } = searched.last;
         let ([[a1, a2], [b1, b2]], [[xx, xy], [yx, yy]]) = (slopes, inverse);
         let leaf = self.leaf;
@@ -137,10 +138,11 @@ impl<S: Simd> Screen<'_, S> {
         }
         let outside =
             [from[0].abs().simd_gt(splat(simd, LEAF)), from[1].abs().simd_gt(splat(simd, LEAF))];
-        if (outside[0] | outside[1]).any_true() {
+        let open = lanes & !(missed | met);
+        if open & lane_bits(outside[0] | outside[1]) != 0 {
             missed |= lane_bits(self.away(simd, (from, outside), [f1, f2], off));
         }
-        Screened { missed, met }
+        Screened { missed: lanes & missed, met: lanes & met }
     }
 
     /// Which roots trims keep, and for which that is known, a bit each: of roots that are within
