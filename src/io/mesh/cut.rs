@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use glam::DVec2;
-use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 
+use super::cell::regions;
 use super::grid_mesh::{GridMesh, MAX_GRID_SIDE, MeshError};
 use super::lattice::Lattice;
 use super::piece::Piece;
@@ -15,8 +15,9 @@ use crate::geometry::trim::{Side, Trims, UvBox};
 /// leaving out as many of them as possible.
 const FINE: f64 = 0.125;
 
-/// Points nearer to a side of a cell than this share of the cell lie on it.
-const ON_SIDE: f64 = 1e-10;
+/// Points nearer to a side of a cell than this share of the cell lie on it: as much as triangles of
+/// a cell resolve.
+const ON_SIDE: f64 = 1e-9;
 
 /// The most points of a curve that one chord stands for: the work for each point is bounded by this.
 const MOST_LEFT_OUT: usize = 512;
@@ -31,45 +32,25 @@ pub(super) struct Cutter<'a> {
     chords: HashMap<(usize, usize), Vec<[DVec2; 2]>>,
 }
 
-/// A vertex of the triangles of a cut cell.
-struct Corner {
-    /// Its place in the cell, from 0 to 1.
-    place: Point2<f64>,
-    uv: DVec2,
-}
-
-impl HasPosition for Corner {
-    type Scalar = f64;
-
-    fn position(&self) -> Point2<f64> {
-        self.place
-    }
-}
-
 impl<'a> Cutter<'a> {
-    /// Makes chords within `distance` of the trim curves in space, on a piece whose points move
-    /// by `speeds` in space for a step of 1 in u and in v.
-    ///
-    /// # Errors
-    /// When that takes too many points.
+    /// Enters `outlines`, the trim curves as chords, in the cells of a piece that they meet.
     pub(super) fn new(
         piece: &'a Piece,
         trims: &'a Trims,
         lattice: &'a Lattice,
-        (distance, speeds): (f64, DVec2),
-    ) -> Result<Self, MeshError> {
-        let speeds = speeds.max(DVec2::splat(f64::MIN_POSITIVE));
+        outlines: &[Vec<DVec2>],
+    ) -> Self {
         let mut cutter = Self { piece, trims, lattice, chords: HashMap::new() };
-        for outline in trims.outlines(FINE * distance / speeds.max_element())? {
-            let points = thinned(&outline, (1.0 - FINE) * distance, speeds);
-            let snapped = points
-                .iter()
-                .map(|at| DVec2::new(on_side(at.x, &lattice.us), on_side(at.y, &lattice.vs)));
-            for ends in snapped.collect::<Vec<_>>().windows(2) {
-                cutter.enter([ends[0], ends[1]]);
+        let (us, vs) = (&lattice.us, &lattice.vs);
+        let domain = UvBox::new([us[0], us[us.len() - 1]], [vs[0], vs[vs.len() - 1]]);
+        let domain = domain.grown(ON_SIDE * domain.size());
+        for ends in outlines.iter().flat_map(|outline| outline.windows(2)) {
+            if UvBox::around(ends.iter().copied()).meets(&domain) {
+                let snapped = |at: DVec2| DVec2::new(on_side(at.x, us), on_side(at.y, vs));
+                cutter.enter([snapped(ends[0]), snapped(ends[1])]);
             }
         }
-        Ok(cutter)
+        cutter
     }
 
     /// Enters a chord in the cells that it meets. Where it crosses a side, both cells there get the
@@ -148,26 +129,49 @@ impl<'a> Cutter<'a> {
     }
 
     /// Which cells are kept as they are, row by row. Between neighbours without chords nothing
-    /// changes.
+    /// changes, so the largest of them decides for all: the middle of one that is narrower than
+    /// chords are exact may lie on the other side of a curve.
     fn whole(&self) -> Vec<bool> {
         let (rows, columns) = (self.lattice.us.len() - 1, self.lattice.vs.len() - 1);
         let mut whole = vec![false; rows * columns];
-        for i in 0..rows {
-            for j in 0..columns {
-                let plain = |i: usize, j: usize| !self.chords.contains_key(&(i, j));
-                let kept = match self.chords.get(&(i, j)) {
-                    Some(chords) if self.cuts((i, j), chords) => false,
-                    None if j > 0 && plain(i, j - 1) => whole[i * columns + j - 1],
-                    None if i > 0 && plain(i - 1, j) => whole[(i - 1) * columns + j],
-                    _ => {
-                        let UvBox { min, max } = self.lattice.cell(i, j);
-                        self.keeps(0.5 * (min + max))
-                    }
-                };
-                whole[i * columns + j] = kept;
+        let mut is_done = vec![false; rows * columns];
+        for (&(i, j), chords) in &self.chords {
+            is_done[i * columns + j] = true;
+            whole[i * columns + j] = !self.cuts((i, j), chords) && self.keeps_middle(i, j);
+        }
+        for first in 0..rows * columns {
+            let (mut plain, mut looked_at) = (Vec::new(), 0);
+            let mut add = |cell: usize, plain: &mut Vec<usize>| {
+                if !std::mem::replace(&mut is_done[cell], true) {
+                    plain.push(cell);
+                }
+            };
+            add(first, &mut plain);
+            while let Some(&cell) = plain.get(looked_at) {
+                looked_at += 1;
+                let (i, j) = (cell / columns, cell % columns);
+                let beside = [
+                    (i > 0).then(|| cell - columns),
+                    (i + 1 < rows).then(|| cell + columns),
+                    (j > 0).then(|| cell - 1),
+                    (j + 1 < columns).then(|| cell + 1),
+                ];
+                beside.into_iter().flatten().for_each(|cell| add(cell, &mut plain));
             }
+            let area = |cell: usize| {
+                let size = self.lattice.cell(cell / columns, cell % columns).size();
+                size.x * size.y
+            };
+            let largest = plain.iter().copied().max_by(|a, b| area(*a).total_cmp(&area(*b)));
+            let kept =
+                largest.is_some_and(|cell| self.keeps_middle(cell / columns, cell % columns));
+            plain.into_iter().for_each(|cell| whole[cell] = kept);
         }
         whole
+    }
+
+    fn keeps_middle(&self, i: usize, j: usize) -> bool {
+        self.keeps(self.lattice.cell(i, j).center())
     }
 
     fn keeps(&self, uv: DVec2) -> bool {
@@ -178,34 +182,21 @@ impl<'a> Cutter<'a> {
         }
     }
 
-    /// Adds the triangles of the kept part of a cut cell: those of a Delaunay triangulation that
-    /// has the chords among its edges. Chords may touch, overlap or cross. What lies between
-    /// chords is kept or not as a whole, as the middle of its largest triangle is.
+    /// Adds the triangles of the kept part of a cut cell. What lies between chords is kept or not as
+    /// a whole, as the middle of its largest triangle is.
     fn push_cut(
         &self,
-        (i, j): (usize, usize),
+        at: (usize, usize),
         chords: &[[DVec2; 2]],
         known: &mut HashMap<[u64; 2], u32>,
         mesh: &mut GridMesh,
     ) -> Result<(), MeshError> {
-        let cell = self.lattice.cell(i, j);
-        let triangles = triangulation(&cell, chords);
-        let region = regions(&triangles);
-        let mut largest = vec![(0.0, DVec2::ZERO); region.len()];
-        for (face, &region) in triangles.inner_faces().zip(&region) {
-            let area = face.area();
-            if area > largest[region].0 {
-                let middle = face.vertices().iter().map(|corner| corner.data().uv).sum::<DVec2>();
-                largest[region] = (area, middle / 3.0);
-            }
-        }
-        let kept: Vec<bool> =
-            largest.iter().map(|&(area, middle)| area > 0.0 && self.keeps(middle)).collect();
-        for (face, &region) in triangles.inner_faces().zip(&region) {
-            if kept[region] {
+        let regions = regions(&self.lattice.cell(at.0, at.1), chords);
+        for region in regions.iter().filter(|region| self.keeps(region.middle)) {
+            for triangle in &region.triangles {
                 let mut corners = [0; 3];
-                for (corner, vertex) in corners.iter_mut().zip(face.vertices()) {
-                    *corner = self.vertex((i, j), vertex.data().uv, known, mesh)?;
+                for (corner, uv) in corners.iter_mut().zip(triangle) {
+                    *corner = self.vertex(at, *uv, known, mesh)?;
                 }
                 mesh.push_face(corners);
             }
@@ -274,6 +265,21 @@ fn is_corner(cell: &UvBox, at: DVec2) -> bool {
     (at.x == cell.min.x || at.x == cell.max.x) && (at.y == cell.min.y || at.y == cell.max.y)
 }
 
+/// The trim curves of a surface as chords within `distance` of them in space, where steps of 1 in u
+/// and in v are no longer than `speeds`, taken as at right angles.
+///
+/// # Errors
+/// When that takes too many points.
+pub(super) fn outlines(
+    trims: &Trims,
+    distance: f64,
+    speeds: DVec2,
+) -> Result<Vec<Vec<DVec2>>, MeshError> {
+    let speeds = speeds.max(DVec2::splat(f64::MIN_POSITIVE));
+    let fine = trims.outlines(FINE * distance / speeds.max_element())?;
+    Ok(fine.iter().map(|outline| thinned(outline, (1.0 - FINE) * distance, speeds)).collect())
+}
+
 /// As few of the points of a polyline as leave the others within `distance` of the chords between
 /// them, where steps of 1 in u and v are as long as `speeds`. The first and last remain.
 fn thinned(points: &[DVec2], distance: f64, speeds: DVec2) -> Vec<DVec2> {
@@ -294,59 +300,4 @@ fn thinned(points: &[DVec2], distance: f64, speeds: DVec2) -> Vec<DVec2> {
         kept.push(points[from]);
     }
     kept
-}
-
-type Triangles = ConstrainedDelaunayTriangulation<Corner>;
-
-/// Triangles of a whole cell, with the chords among their edges.
-fn triangulation(cell: &UvBox, chords: &[[DVec2; 2]]) -> Triangles {
-    let UvBox { min, max } = *cell;
-    let corner = |uv: DVec2| {
-        let at = (uv - min) / (max - min);
-        Corner { place: spade::mitigate_underflow(Point2::new(at.x, at.y)), uv }
-    };
-    let mut triangles = Triangles::new();
-    // A point that is no number cannot be inserted; there is none.
-    for uv in [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)] {
-        let _ = triangles.insert(corner(uv));
-    }
-    for ends in chords {
-        let [from, to] = ends.map(|uv| triangles.insert(corner(uv)));
-        if let (Ok(from), Ok(to)) = (from, to) {
-            // Two chords may cross by rounding, or where trim curves nearly touch.
-            triangles.add_constraint_and_split(from, to, |place| Corner {
-                place,
-                uv: min + DVec2::new(place.x, place.y) * (max - min),
-            });
-        }
-    }
-    triangles
-}
-
-/// For each triangle the number of the region between chords to which it belongs.
-fn regions(triangles: &Triangles) -> Vec<usize> {
-    let mut regions = vec![None; triangles.num_inner_faces()];
-    let mut count = 0;
-    let faces: Vec<_> = triangles.inner_faces().collect();
-    let number: HashMap<_, _> = faces.iter().enumerate().map(|(k, face)| (face.fix(), k)).collect();
-    for first in 0..faces.len() {
-        if regions[first].is_some() {
-            continue;
-        }
-        regions[first] = Some(count);
-        let mut waiting = vec![first];
-        while let Some(face) = waiting.pop() {
-            for edge in faces[face].adjacent_edges() {
-                let beyond = edge.rev().face().as_inner().and_then(|face| number.get(&face.fix()));
-                if let (false, Some(&beyond)) = (edge.is_constraint_edge(), beyond)
-                    && regions[beyond].is_none()
-                {
-                    regions[beyond] = Some(count);
-                    waiting.push(beyond);
-                }
-            }
-        }
-        count += 1;
-    }
-    regions.into_iter().flatten().collect()
 }

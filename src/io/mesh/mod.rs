@@ -1,6 +1,7 @@
 //! Surfaces as grids of triangles, and triangles along trims, for Embree only: `nurbray` itself
 //! traces, measures and writes nothing through a mesh.
 
+mod cell;
 mod cut;
 mod grid_mesh;
 mod lattice;

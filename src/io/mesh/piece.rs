@@ -18,7 +18,7 @@ pub(super) struct Piece {
     map: ChartMap,
     /// The weight of all control points of the chart, if it is the same.
     weight: Option<f64>,
-    /// The trims, if they do not keep all of the piece.
+    /// The trims of the chart, if it has any.
     pub(super) trims: Option<Arc<Trims>>,
 }
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
-use super::cut::Cutter;
+use super::cut::{Cutter, outlines};
 use super::grid_mesh::{GridMesh, MAX_GRID_SIDE, MeshError};
 use super::lattice::Lattice;
 use super::piece::{Piece, Row, Tangents};
@@ -156,13 +156,19 @@ impl Plan {
             let (rows, columns) = (most(&self.counts[0]), most(&self.counts[1]));
             return Err(MeshError::GridSides { rows, columns });
         }
+        // All pieces have the trims of the chart.
+        let outlines = match self.pieces.iter().find_map(|piece| piece.trims.as_ref()) {
+            Some(trims) => {
+                let speeds = self.pieces.iter().map(speeds).fold(DVec2::ZERO, DVec2::max);
+                outlines(trims, distance, speeds)?
+            }
+            None => Vec::new(),
+        };
         self.parts().try_for_each(|(piece, spans)| {
             let [us, vs] = self.parameters(&spans);
             let lattice = piece.lattice(us, vs, mesh.is_detailed());
             match &piece.trims {
-                Some(trims) => {
-                    Cutter::new(piece, trims, &lattice, (distance, speeds(piece)))?.carry_out(mesh)
-                }
+                Some(trims) => Cutter::new(piece, trims, &lattice, &outlines).carry_out(mesh),
                 None => {
                     let counts = Direction::BOTH.map(|d| &self.counts[d][spans[d].clone()]);
                     push_spans(&lattice, counts, mesh)

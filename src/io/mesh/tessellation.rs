@@ -423,6 +423,54 @@ mod tests {
         }
     }
 
+    /// Bricks in two rows, each joint of one in the middle of a brick of the other, turned: joints
+    /// are exact only to rounding.
+    #[test]
+    fn loops_may_touch_at_any_angle() {
+        let corner = |turn: f64, x: f64, y: f64| {
+            DVec2::splat(0.5) + DVec2::from_angle(turn).rotate(DVec2::new(x, y))
+        };
+        for turn in [0.2, 0.6, 0.7, 0.9, 1.0, 1.3] {
+            for [columns, rows] in [[2, 1], [3, 2], [6, 2], [3, 3]] {
+                let bricks = (0..columns * rows).map(|k| {
+                    let [row, column] = [k / columns, k % columns].map(f64::from);
+                    let (x, y) = (column - 0.5 * (row % 2.0) - 2.0, row - 1.0);
+                    let ends = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+                    let ends = ends.map(|(i, j)| corner(turn, 0.12 * (x + i), 0.12 * (y + j)));
+                    TrimLoop::polygon(&ends).unwrap()
+                });
+                let bricks: Vec<TrimLoop> = bricks.collect();
+                let exact = 4.0 - 4.0 * 0.12 * 0.12 * f64::from(columns * rows);
+                for cells in [1, 3] {
+                    let off = (kept_area(cells, &bricks) - exact).abs();
+                    assert!(off < 1e-8, "{columns} × {rows}, {turn}, {cells} cells: {off}");
+                }
+            }
+        }
+    }
+
+    /// A hole with a bump that a chord leaves out, in a row of cells narrower than that.
+    #[test]
+    fn narrow_cells_do_not_decide_for_others() {
+        let knots =
+            KnotVector::with_multiplicities(1, &[(0.0, 2), (0.5, 1), (0.5005, 1), (1.0, 2)])
+                .unwrap();
+        let across = KnotVector::bezier(1).unwrap();
+        let points = [0.0, 0.5, 0.5005, 1.0]
+            .iter()
+            .flat_map(|&x| [0.0, 1.0].map(|y| DVec3::new(x, y, 0.0)))
+            .collect();
+        let sheet = NurbsSurface::new(knots, across, points, None).unwrap();
+        let hole = [(0.1, 0.1), (0.4999, 0.1), (0.5008, 0.5), (0.4999, 0.9), (0.1, 0.9)];
+        let hole = TrimLoop::polygon(&hole.map(|(u, v)| DVec2::new(u, v))).unwrap();
+        for fraction in [1e-2, 1e-3, 1e-4] {
+            let made =
+                Tessellation::to_tolerance(&[holed(sheet.clone(), &[hole.clone()])], fraction);
+            let off = (area(&made.unwrap()) - (1.0 - 0.8 * 0.40035)).abs();
+            assert!(off < fraction * 1.5, "{fraction}: {off}");
+        }
+    }
+
     #[test]
     fn deviation_falls_with_the_square_of_the_cells() {
         let torus = [shapes::torus(2.0, 0.5).unwrap()];
