@@ -33,7 +33,8 @@
 //! | `trims` | cut the surface, see below |
 //! | `reversed` | not applied: (u, v) and `S_u × S_v` stay as written, and a note says so |
 //! | `order`, of the file or of a surface | must begin with `v fastest`, else an error |
-//! | `type`, `id`, `delta`, `count`, `dimension`, `rational` | not used: what geomdl writes there changes no surface |
+//! | `count`, and `type` of `shape` and of trims | not used: what is there is read, and a note says where it is not what these say |
+//! | `type` of a surface, `id`, `delta`, `dimension`, `rational` | not used: what geomdl writes there changes no surface |
 //! | any other | not used, and a note a key says so |
 //!
 //! Each entry of `trims` (`{"count": …, "data": […]}`) is a closed loop in the surface's (u, v): a
@@ -49,6 +50,7 @@
 //! Curves, volumes, free-form point lists and points of two coordinates are not surfaces in
 //! space: each is left out with a note.
 
+mod claims;
 mod points;
 mod trims;
 mod unknown;
@@ -111,6 +113,10 @@ struct Document<'a> {
 
 #[derive(Deserialize)]
 struct ShapeKeys<'a> {
+    #[serde(borrow, rename = "type")]
+    kind: Raw<'a>,
+    #[serde(borrow)]
+    count: Raw<'a>,
     #[serde(borrow)]
     data: Raw<'a>,
     #[serde(borrow)]
@@ -195,11 +201,11 @@ impl<'a> Reader<'a> {
             let data = keys.data.ok_or_else(|| {
                 LoadError::malformed(self.place(shape), "shape: missing key \"data\"")
             })?;
-            lists.push(data.get());
+            lists.push((data.get(), Some(keys)));
         }
-        lists.extend(document.surfaces.map(RawValue::get));
+        lists.extend(document.surfaces.map(|surfaces| (surfaces.get(), None)));
         if lists.is_empty() && document.degree_u.is_some() {
-            lists.push(text.trim()); // a surface without anything around it
+            lists.push((text.trim(), None)); // a surface without anything around it
         } else {
             self.look_for_unknown(text, &DOCUMENT)?;
         }
@@ -208,8 +214,11 @@ impl<'a> Reader<'a> {
                            it is no geomdl JSON model";
             return Err(LoadError::malformed(self.source.file().clone(), message));
         }
-        for list in lists {
-            self.items(list)?;
+        for (list, shape) in lists {
+            let entries = self.items(list)?;
+            if let Some(keys) = shape {
+                self.note_false_claims(&keys, entries); // the first list: all parts are its own
+            }
         }
         Ok(())
     }
@@ -230,17 +239,18 @@ impl<'a> Reader<'a> {
         Err(LoadError::malformed(self.place(raw), message))
     }
 
-    /// Reads a list of entries, or a single one.
-    fn items(&mut self, list: &'a str) -> Result<(), LoadError> {
+    /// Reads a list of entries, or a single one; returns how many they are.
+    fn items(&mut self, list: &'a str) -> Result<usize, LoadError> {
         if !list.starts_with('[') {
-            return self.entry(list, None);
+            self.entry(list, None)?;
+            return Ok(1);
         }
         let items: Vec<&'a RawValue> = self.parse(list)?;
-        let single = items.len() == 1;
+        let count = items.len();
         for (index, raw) in items.into_iter().enumerate() {
-            self.entry(raw.get(), if single { None } else { Some(index) })?;
+            self.entry(raw.get(), if count == 1 { None } else { Some(index) })?;
         }
-        Ok(())
+        Ok(count)
     }
 
     fn entry(&mut self, raw: &'a str, index: Option<usize>) -> Result<(), LoadError> {

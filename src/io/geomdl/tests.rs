@@ -181,6 +181,41 @@ fn keys_that_nobody_knows_are_noted() {
 }
 
 #[test]
+fn what_a_file_says_of_itself_is_compared_with_what_it_holds() {
+    let notes = |head: &str, data: &str| {
+        let model = model(&format!("{{\"shape\": {{{head}, \"data\": {data}}}}}"));
+        let notes: Vec<_> = model.notes.iter().map(ToString::to_string).collect();
+        (model.parts.len(), notes.join("; "))
+    };
+    let two = format!("[{SURFACE}, {SURFACE}]");
+    for (head, data, note) in [
+        ("\"type\": \"surface\", \"count\": 2", two.as_str(), ""),
+        ("\"type\": \"surface\", \"count\": 1.0", SURFACE, ""),
+        ("\"count\": null", &two, ""),
+        ("\"count\": 3", &two, "m.json:1:21: key \"count\": it is 3, but \"data\" has 2 entries"),
+        ("\"count\": 0", SURFACE, "m.json:1:21: key \"count\": it is 0, but \"data\" has 1 entry"),
+        (
+            "\"count\": [2]",
+            &two,
+            "m.json:1:21: key \"count\": it is no number, but \"data\" has 2 entries",
+        ),
+        (
+            "\"type\": \"curve\"",
+            &two,
+            "m.json:1:20: key \"type\": it is \"curve\", but \"data\" has 2 surfaces",
+        ),
+    ] {
+        let (surfaces, found) = notes(head, data);
+        assert_eq!(found, note, "{head}");
+        assert_eq!(surfaces, if data == two { 2 } else { 1 }, "{head}");
+    }
+    // A list without surfaces: each entry has a note of its own.
+    let curve = "{\"degree\": 2}";
+    let (_, found) = notes("\"type\": \"curve\"", curve);
+    assert_eq!(found, "m.json:1:37: curve \"m\": a curve has no surface to show");
+}
+
+#[test]
 fn wrong_counts() {
     assert_eq!(
         error(&changed("[0, 0, 1, 1]", "[0, 0, 1]")),
@@ -366,6 +401,20 @@ fn what_trims_leave_unused_is_noted() {
     for (trims, notes) in [
         (format!("[{line}}}, {CIRCLE}, {OUTLINE}]"), &[][..]),
         (format!("{{\"count\": 1, \"data\": [{line}, \"reversed\": true}}]}}"), &[]),
+        (
+            format!(
+                "{{\"count\": 2, \"data\": [{}]}}",
+                OUTLINE.replace("\"count\": 2", "\"count\": 3")
+            ),
+            &[
+                "\"count\" is not the number of loops in \"data\"",
+                "\"count\" of a loop is not the number of curves in its \"data\"",
+            ],
+        ),
+        (
+            format!("[{line}, \"type\": \"spline\"}}, {}]", CIRCLE.replace("spline", "container")),
+            &["\"type\" of a curve is not what its other keys make of it"],
+        ),
         (
             format!("[{twice}, {twice}]"),
             &[

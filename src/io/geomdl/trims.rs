@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
+use super::claims::{miscounts, mistypes};
 use super::points::Points;
 use super::{Entry, Keyed, LoadError, Raw, Reader, is_set};
 use crate::geometry::trim::Kept;
@@ -20,12 +21,18 @@ use crate::scene::{
 #[derive(Deserialize)]
 struct ListKeys<'a> {
     #[serde(borrow)]
+    count: Raw<'a>,
+    #[serde(borrow)]
     data: Raw<'a>,
 }
 
 /// A loop, or a curve of one: all keys optional, so that its kinds can be told apart.
 #[derive(Deserialize)]
 struct CurveKeys<'a> {
+    #[serde(borrow, rename = "type")]
+    kind: Raw<'a>,
+    #[serde(borrow)]
+    count: Raw<'a>,
     #[serde(borrow)]
     degree: Raw<'a>,
     #[serde(borrow)]
@@ -45,13 +52,15 @@ struct CurveKeys<'a> {
 /// Notes on what is not used in the trims of a surface, once each.
 type Unused = BTreeSet<&'static str>;
 
+const MISTYPED: &str = "\"type\" of a curve is not what its other keys make of it";
+
 impl<'a> Reader<'a> {
     /// The trims of an entry, if it has any.
     pub(super) fn trims(&mut self, entry: &Entry<'a>) -> Result<Option<TrimSpec>, LoadError> {
         let Some(raw) = entry.item.trims else { return Ok(None) };
         let mut unused = BTreeSet::new();
         let mut loops = Vec::new();
-        for (index, raw) in self.list(entry, raw)?.into_iter().enumerate() {
+        for (index, raw) in self.list(entry, raw, &mut unused)?.into_iter().enumerate() {
             loops.push(self.trim_loop(entry, (index, raw), &mut unused)?);
         }
         for why in unused {
@@ -66,7 +75,12 @@ impl<'a> Reader<'a> {
         Ok(Some(TrimSpec { place: self.place(raw), kept, loops }))
     }
 
-    fn list(&self, entry: &Entry<'a>, raw: &'a RawValue) -> Result<Vec<&'a RawValue>, LoadError> {
+    fn list(
+        &self,
+        entry: &Entry<'a>,
+        raw: &'a RawValue,
+        unused: &mut Unused,
+    ) -> Result<Vec<&'a RawValue>, LoadError> {
         if raw.get().starts_with('[') {
             return self.parse(raw.get());
         }
@@ -74,7 +88,11 @@ impl<'a> Reader<'a> {
         let data = keys
             .data
             .ok_or_else(|| entry.malformed(self.place(raw), "trims: missing key \"data\""))?;
-        self.parse(data.get())
+        let loops: Vec<&'a RawValue> = self.parse(data.get())?;
+        if miscounts(keys.count, loops.len()) {
+            unused.insert("\"count\" is not the number of loops in \"data\"");
+        }
+        Ok(loops)
     }
 
     fn trim_loop(
@@ -96,6 +114,13 @@ impl<'a> Reader<'a> {
                     unused.insert("what stands beside the curves of \"data\" is left out");
                 }
                 let items: Vec<&'a RawValue> = self.parse(data.get())?;
+                if miscounts(keys.count, items.len()) {
+                    unused
+                        .insert("\"count\" of a loop is not the number of curves in its \"data\"");
+                }
+                if mistypes(keys.kind, "container") {
+                    unused.insert(MISTYPED);
+                }
                 let each = items.into_iter().map(|raw| {
                     let Keyed(keys): Keyed<CurveKeys<'a>> = self.parse(raw.get())?;
                     if is_set(keys.reversed) {
@@ -154,6 +179,10 @@ impl<'a> Reader<'a> {
                 return Err(entry.malformed(place, &message));
             }
         };
+        let is_spline = matches!(kind, CurveKind::Nurbs { .. });
+        if mistypes(keys.kind, if is_spline { "spline" } else { "freeform" }) {
+            unused.insert(MISTYPED);
+        }
         Ok(CurveSpec { place, kind, transform: Vec::new(), reverse: false })
     }
 
