@@ -4,6 +4,7 @@ mod embree;
 mod errors;
 mod folder;
 mod heat;
+mod markdown;
 mod povray;
 mod povray_report;
 mod povray_run;

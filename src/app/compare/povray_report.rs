@@ -4,6 +4,7 @@ use super::super::race::{Measurement, Model};
 use super::super::table::{count, short, three_digits, time};
 use super::errors::Errors;
 use super::folder::files_written;
+use super::markdown::plain;
 use super::povray_run::Rendering;
 use super::table::{NONE, Table, fraction};
 
@@ -87,7 +88,7 @@ impl Report<'_> {
         let Self { model, rival, .. } = self;
         let kernel = self.measured.fastest().map_or("", |ours| ours.kernel.name());
         let threads = count(self.threads.into(), "thread");
-        let (name, camera, diagonal) = (&model.name, model.camera(), short(model.diagonal));
+        let (name, camera, diagonal) = (plain(&model.name), model.camera(), short(model.diagonal));
         format!(
             "# {name}: nurbray and POV-Ray\n\n\
              {camera}, {width} x {height} pixels, one ray through the middle of each; on \
@@ -106,7 +107,8 @@ impl Report<'_> {
         if self.left_out.is_empty() {
             return String::new();
         }
-        let lines: String = self.left_out.iter().map(|line| format!("- {line}.\n")).collect();
+        let lines: String =
+            self.left_out.iter().map(|line| format!("- {}.\n", plain(line))).collect();
         format!("## Left out on both sides\n\n{lines}\n")
     }
 

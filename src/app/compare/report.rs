@@ -5,6 +5,7 @@ use super::super::race::{Measurement, Model, Rival, RivalResult};
 use super::super::table::{count, short, short_bytes, three_digits, time};
 use super::errors::Errors;
 use super::folder::files_written;
+use super::markdown::plain;
 use super::remarks::remarks;
 use super::table::{NONE, Table, fraction};
 
@@ -111,7 +112,7 @@ impl Report<'_> {
         let surfaces = count(model.surfaces.len() as u64, "surface");
         let threads = count(self.threads.into(), "thread");
         let diagonal = short(model.diagonal);
-        let (name, camera) = (&model.name, model.camera());
+        let (name, camera) = (plain(&model.name), model.camera());
         format!(
             "# {name}: the surfaces, and triangles in their place\n\n\
              {camera}, {width} x {height} pixels, one ray through the middle of each; on \
