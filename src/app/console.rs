@@ -14,8 +14,15 @@ use super::failure::{Failure, OrFail};
 /// # Errors
 /// When stdout cannot take the results for any other reason, such as a full disk.
 pub(crate) fn print(results: &str) -> Result<(), Failure> {
-    let mut stdout = io::stdout().lock();
-    match stdout.write_all(results.as_bytes()).and_then(|()| stdout.flush()) {
+    printed(io::stdout().lock().write_all(results.as_bytes()))
+}
+
+/// What came of writing to stdout, once all of it is out.
+///
+/// # Errors
+/// As [`print`].
+pub(crate) fn printed(written: io::Result<()>) -> Result<(), Failure> {
+    match written.and_then(|()| io::stdout().flush()) {
         Err(reason) if reason.kind() != ErrorKind::BrokenPipe => {
             Err(reason).context("cannot write to standard output").or_failed()
         }

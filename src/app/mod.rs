@@ -33,13 +33,21 @@ pub(crate) fn run() -> ExitCode {
     let arguments = match Arguments::parse_words(std::env::args_os()) {
         Ok(arguments) => arguments,
         Err(message) => {
-            // Help and version are answers (stdout, 0); anything else is wrong use (stderr, 2).
-            // A closed pipe is the reader's choice, and there is nowhere left to complain.
-            let _ = message.print();
-            return ExitCode::from(if message.use_stderr() { failure::WRONG_USE } else { 0 });
+            // Help and version are answers (stdout, 0); anything else is wrong use (stderr, 2), and
+            // if stderr is closed, there is nobody to tell.
+            let printed = message.print();
+            return match message.use_stderr() {
+                true => ExitCode::from(failure::WRONG_USE),
+                false => ended(console::printed(printed).map(|()| ExitCode::SUCCESS)),
+            };
         }
     };
-    match dispatch(&arguments.command) {
+    ended(dispatch(&arguments.command))
+}
+
+/// The exit code of a run, whose error, if it has one, is told.
+fn ended(run: Result<ExitCode, Failure>) -> ExitCode {
+    match run {
         Ok(code) => code,
         Err(failure) => {
             console::error(failure.reason());

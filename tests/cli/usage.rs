@@ -265,8 +265,10 @@ fn a_closed_pipe_is_no_failure() {
 #[test]
 fn a_full_disk_under_stdout_is_a_failure() {
     let sandbox = Sandbox::with(&[("sphere.toml", SPHERE)]);
-    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
-    let output = sandbox.command("info sphere.toml").stdout(full).output().unwrap();
-    let message = "cannot write to standard output: No space left on device (os error 28)";
-    Run::from_output(output).failed(1, message);
+    for line in ["info sphere.toml", "--help", "--version", "help info", "info --help"] {
+        let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let output = sandbox.command(line).stdout(full).output().unwrap();
+        let message = "cannot write to standard output: No space left on device (os error 28)";
+        Run::from_output(output).failed(1, message);
+    }
 }
