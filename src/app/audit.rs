@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
     outputs.iter().try_for_each(|output| output::check_npy(output))?;
     outputs.iter().try_for_each(|output| output::check_not_stdout(output))?;
     output::check(&outputs, &[&arguments.input])?;
-    let scene = input::read(&arguments.input)?;
+    let scene = input::read_apart(&arguments.input, &outputs)?;
     let pool = threads::pool(None)?;
     let (world, _) = pool.install(|| input::prepare(&scene))?;
     input::warn_of_what_is_not_shown(&arguments.input, &scene);

@@ -27,7 +27,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<ExitCode, Failure> {
     output::check(&outputs, &inputs)?;
     // Errors even in the last input are reported before the first is measured.
     for input in &inputs {
-        let scene = input::read(input)?;
+        let scene = input::read_apart(input, &outputs)?;
         input::warn_of_what_is_not_shown(input, &scene);
         Placed::new(&scene).or_bad_input()?;
     }

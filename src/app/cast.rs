@@ -26,7 +26,7 @@ pub(crate) fn run(arguments: &CastArguments) -> Result<ExitCode, Failure> {
     }
     output::check(&[&arguments.output], &[&arguments.input, &arguments.rays])?;
     let rays = read_rays(&arguments.rays).or_bad_input()?;
-    let scene = input::read(&arguments.input)?;
+    let scene = input::read_apart(&arguments.input, &[&arguments.output])?;
     let pool = threads::pool(arguments.work.threads)?;
     let (world, build) = pool.install(|| input::prepare(&scene))?;
     input::warn_of_what_is_not_shown(&arguments.input, &scene);

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use nurbray::io::load_input;
 use nurbray::scene::{Scene, World};
 
-use super::console;
 use super::failure::{Failure, OrFail};
+use super::{console, output};
 
 /// Reads a scene or a bare model.
 ///
@@ -15,6 +15,16 @@ use super::failure::{Failure, OrFail};
 /// When the file is missing, damaged or wrong: bad input.
 pub(crate) fn read(path: &Path) -> Result<Scene, Failure> {
     load_input(path).or_bad_input()
+}
+
+/// Reads a scene or a bare model for a run that writes these files.
+///
+/// # Errors
+/// As [`read`], and when one of them is a model that the scene is made of: wrong use.
+pub(crate) fn read_apart(path: &Path, outputs: &[&Path]) -> Result<Scene, Failure> {
+    let scene = read(path)?;
+    output::check_apart(outputs, &scene)?;
+    Ok(scene)
 }
 
 /// Warns of what a scene, about to be traced or drawn, does not show of its files.

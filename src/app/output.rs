@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use nurbray::io::{Quoted, check_writable};
+use nurbray::scene::Scene;
 
 use super::failure::{Failure, OrFail};
 
@@ -25,6 +26,24 @@ pub(crate) fn check(outputs: &[&Path], inputs: &[&Path]) -> Result<(), Failure> 
             return Err(Failure::input(format!("{} is given twice as output", Quoted(output))));
         }
         check_writable(output).or_bad_input()?;
+    }
+    Ok(())
+}
+
+/// Refuses outputs that would overwrite a model that a scene is made of: only once it is read, the
+/// scene tells which these are.
+///
+/// # Errors
+/// When one would: wrong use.
+pub(crate) fn check_apart(outputs: &[&Path], scene: &Scene) -> Result<(), Failure> {
+    for output in outputs {
+        if let Some(file) = scene.files.iter().find(|file| is_same_file(file, output)) {
+            return Err(Failure::input(format!(
+                "{} would be overwritten: it is {}, an input of this run",
+                Quoted(output),
+                Quoted(file)
+            )));
+        }
     }
     Ok(())
 }

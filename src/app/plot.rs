@@ -54,7 +54,7 @@ pub(crate) fn run(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
     let formats = paths.iter().map(|path| output::format(path, &["svg", "png"]));
     let formats = formats.collect::<Result<Vec<_>, _>>()?;
     output::check(&paths, &[&arguments.input])?;
-    let scene = input::read(&arguments.input)?;
+    let scene = input::read_apart(&arguments.input, &paths)?;
 
     let plots = plots(&scene)?;
     input::warn_of_what_is_not_shown(&arguments.input, &scene);

@@ -32,7 +32,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     let fixed_time = fixed_time()?;
     let paths: Vec<&Path> = pictures.iter().map(|picture| picture.path).collect();
     output::check(&paths, &[&arguments.input])?;
-    let mut scene = input::read(&arguments.input)?;
+    let mut scene = input::read_apart(&arguments.input, &paths)?;
     let settings = settings(arguments, &scene.settings, &pictures)?;
     scene.settings.size = settings.size; // a camera that nobody placed shows the model in this size
     override_camera(arguments, &mut scene.camera)?;

@@ -54,10 +54,12 @@ pub fn load_input(path: &Path) -> Result<Scene, LoadError> {
             let text = read_text(path, &nowhere)?;
             let mut models = HashMap::new();
             let folder = path.parent().unwrap_or(Path::new(""));
-            read_scene(&text, &label, &mut |file, called, place| {
+            let mut scene = read_scene(&text, &label, &mut |file, called, place| {
                 let path = folder.join(file);
                 cached_model(&mut models, path, (called, place))
-            })
+            })?;
+            scene.files = models.into_keys().collect();
+            Ok(scene)
         }
         FileType::Model => {
             let model = read_geomdl(&read_text(path, &nowhere)?, &label, &stem(path))?;
@@ -247,6 +249,8 @@ mod tests {
         let files = [("s.toml", scene.as_bytes()), ("roof.json", model.as_bytes())];
         let scene = load(&files).1.unwrap();
         assert_eq!(scene.notes.len(), 1);
+        let [file] = scene.files.as_slice() else { panic!("{:?}", scene.files) };
+        assert!(file.ends_with("roof.json"));
         let world = World::new(&scene).unwrap();
         let names: Vec<_> = world.surfaces.iter().map(|s| s.name.as_str()).collect();
         assert_eq!(names, ["roof/0", "roof/2", "roof 2/0", "roof 2/2"]);

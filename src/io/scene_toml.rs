@@ -281,6 +281,7 @@ impl Reader<'_, '_> {
         let figure = self.figure(keys.figure)?;
         Ok(Scene {
             place: self.source.file().clone(),
+            files: Vec::new(), // known to who reads them
             camera,
             lights,
             materials,

@@ -2,7 +2,7 @@
 
 use exr::prelude::read_first_flat_layer_from_file;
 
-use crate::sandbox::{SPHERE, Sandbox, turned_square};
+use crate::sandbox::{SPHERE, SQUARE, Sandbox, turned_square};
 
 fn sandbox() -> Sandbox {
     Sandbox::with(&[("sphere.toml", SPHERE)])
@@ -266,6 +266,33 @@ fn an_input_is_not_overwritten() {
         .run("render sphere.toml -o a.png")
         .failed(2, "\"a.png\" would be overwritten: it is an input of this run");
     assert_eq!(sandbox.bytes("sphere.toml"), SPHERE.as_bytes());
+}
+
+/// The scene names the model: only after reading it does the program know it for an input.
+#[cfg(unix)]
+#[test]
+fn a_model_of_the_scene_is_not_overwritten() {
+    let scene = "[[object]]\nshape = { file = \"square.json\" }\n";
+    let sandbox = Sandbox::with(&[("scene.toml", scene), ("square.json", SQUARE)]);
+    sandbox.write_rows("rays.npy", &[[0.0, 0.0, 1.0, 0.0, 0.0, -1.0]]);
+    for name in ["a.png", "a.svg", "a.npy"] {
+        std::os::unix::fs::symlink("square.json", sandbox.path(name)).unwrap();
+    }
+    std::fs::create_dir(sandbox.path("out")).unwrap();
+    std::os::unix::fs::symlink("../square.json", sandbox.path("out/legend.svg")).unwrap();
+    for (line, output) in [
+        ("render scene.toml -o a.png", "a.png"),
+        ("plot scene.toml -o a.svg", "a.svg"),
+        ("cast scene.toml --rays rays.npy -o a.npy", "a.npy"),
+        ("audit scene.toml --offenders a.npy", "a.npy"),
+        ("bench scene.toml --plot a.svg --against embree", "a.svg"),
+        ("compare scene.toml --against embree -o out", "out/legend.svg"),
+        ("compare scene.toml --against povray -o out", "out/legend.svg"),
+    ] {
+        let error = "would be overwritten: it is \"square.json\", an input of this run";
+        sandbox.run(line).failed(2, &format!("\"{output}\" {error}"));
+    }
+    assert_eq!(sandbox.bytes("square.json"), SQUARE.as_bytes());
 }
 
 #[test]

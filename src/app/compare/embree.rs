@@ -52,7 +52,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let tolerances = arguments.tolerances();
     let files = files(&tolerances);
     let folder = Folder::new(&arguments.output, &files, &[&arguments.input])?;
-    input::read(&arguments.input)?; // reports errors in the input first
+    folder.check_apart(&input::read(&arguments.input)?)?; // reports errors in the input first
     let embree = Embree::load_with_threads(arguments.threads).or_failed()?;
     let progress = Progress::new("comparing", tolerances.len() as u64 + 2);
     let race = threads::pool(Some(arguments.threads))?

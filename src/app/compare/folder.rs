@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use nurbray::io::{Quoted, check_writable, write_atomically};
+use nurbray::scene::Scene;
 
 use super::super::failure::{Failure, OrFail};
 use super::super::output;
@@ -14,6 +15,12 @@ use super::super::output;
 #[derive(Clone, Debug)]
 pub(super) struct Folder {
     path: PathBuf,
+    /// The files that are to be written there.
+    files: Vec<PathBuf>,
+}
+
+fn paths(files: &[PathBuf]) -> Vec<&Path> {
+    files.iter().map(AsRef::as_ref).collect()
 }
 
 impl Folder {
@@ -25,16 +32,23 @@ impl Folder {
     pub(super) fn new(path: &Path, files: &[String], inputs: &[&Path]) -> Result<Self, Failure> {
         // Without a slash at the end, which no file's name has.
         let path: PathBuf = path.components().collect();
+        let files: Vec<_> = files.iter().map(|file| path.join(file)).collect();
         if path.is_dir() {
-            let files: Vec<_> = files.iter().map(|file| path.join(file)).collect();
-            let files: Vec<&Path> = files.iter().map(AsRef::as_ref).collect();
-            output::check(&files, inputs)?;
+            output::check(&paths(&files), inputs)?;
         } else if path.exists() {
             return Err(Failure::input(format!("{} is a file, not a folder", Quoted(&path))));
         } else {
             check_writable(&path).or_bad_input()?;
         }
-        Ok(Self { path })
+        Ok(Self { path, files })
+    }
+
+    /// Checks that no file to be written is a model that the scene is made of.
+    ///
+    /// # Errors
+    /// When one is: wrong use.
+    pub(super) fn check_apart(&self, scene: &Scene) -> Result<(), Failure> {
+        output::check_apart(&paths(&self.files), scene)
     }
 
     /// Makes the folder, unless it exists.

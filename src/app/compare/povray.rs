@@ -35,6 +35,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let budget = Duration::from_secs_f64(arguments.seconds);
     let wanted = super::wanted_size(arguments);
     let model = pool.install(|| Model::load(&arguments.input, wanted, budget))?;
+    folder.check_apart(&model.scene)?;
     input::warn_of_what_is_not_shown(&arguments.input, &model.scene);
     let size = super::size(&model.world)?;
 

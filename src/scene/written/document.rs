@@ -1,5 +1,6 @@
 //! The scene as written: plain data, with the places errors will name.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -17,6 +18,8 @@ use crate::scene::look::{Light, Material, Rgb};
 pub struct Scene {
     /// Where it was read from.
     pub place: Place,
+    /// The other files that were read for it, in any order.
+    pub files: Vec<PathBuf>,
     /// Where the picture is taken from, as far as the author says.
     pub camera: CameraSpec,
     /// The lights; without any, the default ones shine.
