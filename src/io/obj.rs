@@ -34,6 +34,7 @@
 mod tags;
 
 use std::collections::HashSet;
+use std::num::IntErrorKind;
 
 use glam::DVec3;
 
@@ -134,6 +135,7 @@ pub fn read_obj_cage(text: &str, label: &str) -> Result<CageModel, LoadError> {
         offsets: CageOffsets::default(),
         left_out: Vec::new(),
         weighted: Vec::new(),
+        ahead: Vec::new(),
     };
     for line in lines(text) {
         reader.statement(&line)?;
@@ -169,10 +171,25 @@ fn lines(text: &str) -> impl Iterator<Item = Words<'_>> {
 /// A word of the file within a message: in quotes, on one line, and shortened if it is long, as in
 /// files that are not OBJ at all.
 fn shown(word: &str) -> String {
-    const LONGEST: usize = 40;
-    let beginning: String = word.chars().take(LONGEST).collect();
-    let more = if beginning.len() < word.len() { "…" } else { "" };
+    let (beginning, more) = shortened(word);
     format!("{beginning:?}{more}")
+}
+
+/// The beginning of a word, and a mark for the rest if it is long.
+fn shortened(word: &str) -> (&str, &'static str) {
+    match word.char_indices().nth(LONGEST) {
+        Some((end, _)) => (&word[..end], "…"),
+        None => (word, ""),
+    }
+}
+
+/// The longest word shown in full.
+const LONGEST: usize = 40;
+
+/// The vertex that a corner names, as written.
+fn vertex_of(corner: &str) -> String {
+    let (vertex, more) = shortened(corner.split('/').next().unwrap_or(corner));
+    format!("{vertex}{more}")
 }
 
 #[derive(Debug)]
@@ -185,6 +202,9 @@ struct Reader<'a> {
     /// Vertices whose weight is not 1, with the weight as written: free-form surfaces may have such
     /// vertices.
     weighted: Vec<(usize, &'a str)>,
+    /// Corners whose vertices had not come yet, each later than those of the corners before it; the
+    /// first one whose vertex never comes is among them.
+    ahead: Vec<(usize, &'a str)>,
 }
 
 impl<'a> Reader<'a> {
@@ -262,6 +282,12 @@ impl<'a> Reader<'a> {
         }
         let corners = values.iter().map(|word| self.corner_vertex(word));
         let corners = corners.collect::<Result<Vec<usize>, _>>()?;
+        for (&vertex, &word) in corners.iter().zip(values) {
+            let latest = self.ahead.last().map_or(self.parts.positions.len(), |(last, _)| last + 1);
+            if vertex >= latest {
+                self.ahead.push((vertex, word));
+            }
+        }
         self.parts.faces.push(corners);
         self.offsets.faces.push(self.source.offset_of(keyword));
         Ok(())
@@ -275,6 +301,9 @@ impl<'a> Reader<'a> {
         let index = |written: &str| match written.parse::<i64>() {
             Ok(index) if index != 0 => Ok(index),
             Ok(_) => Err(self.malformed(word, "index 0: indices count from 1".to_owned())),
+            // No file has as many vertices as that, which is said below or later.
+            Err(error) if *error.kind() == IntErrorKind::PosOverflow => Ok(i64::MAX),
+            Err(error) if *error.kind() == IntErrorKind::NegOverflow => Ok(i64::MIN),
             Err(_) => {
                 let message = format!("{} is not a corner: v, v/vt, v//vn or v/vt/vn", shown(word));
                 Err(self.malformed(word, message))
@@ -296,6 +325,7 @@ impl<'a> Reader<'a> {
         known.checked_sub(back).ok_or_else(|| {
             self.malformed(word, {
                 let verb = if known == 1 { "comes" } else { "come" };
+                let vertex = vertex_of(word);
                 format!("vertex {vertex}: only {} {verb} before", Counted(known, "vertex"))
             })
         })
@@ -311,14 +341,13 @@ impl<'a> Reader<'a> {
     /// the numbers of the faces kept.
     fn tidy_faces(&mut self) -> Result<Vec<usize>, LoadError> {
         let vertices = self.parts.positions.len();
+        if let Some((_, word)) = self.ahead.iter().find(|(vertex, _)| *vertex >= vertices) {
+            let message = format!("vertex {}: the file has only {vertices}", vertex_of(word));
+            return Err(self.malformed(word, message));
+        }
         let mut kept = Vec::new();
         for (number, mut corners) in std::mem::take(&mut self.parts.faces).into_iter().enumerate() {
             let offset = self.offsets.faces[number];
-            if let Some(vertex) = corners.iter().find(|&&vertex| vertex >= vertices) {
-                let message =
-                    format!("vertex {}: the file has only {vertices}", vertex.saturating_add(1));
-                return Err(LoadError::malformed(self.source.place(offset), message));
-            }
             let count = corners.len();
             corners.dedup();
             if corners.len() > 1 && corners.first() == corners.last() {

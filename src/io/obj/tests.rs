@@ -72,13 +72,19 @@ fn errors_name_line_and_column() {
         ("f 1 2", "x.obj:16:1: a face has 2 corners: it needs 3 or more"),
         ("f 1 2 0", "x.obj:16:7: index 0: indices count from 1"),
         ("f 1 2 -9", "x.obj:16:7: vertex -9: only 6 vertices come before"),
-        ("f 1 2 99", "x.obj:16:1: vertex 99: the file has only 6"),
+        ("f 1 2 99", "x.obj:16:7: vertex 99: the file has only 6"),
         ("f 1 2 /3", "x.obj:16:7: \"/3\" is not a corner: v, v/vt, v//vn or v/vt/vn"),
         ("f 1 2 3/1/1/1", "x.obj:16:7: \"3/1/1/1\" has 4 indices: at most 3"),
         (
             "f 1 2 99999999999999999999",
-            "x.obj:16:7: \"99999999999999999999\" is not a corner: v, v/vt, v//vn or v/vt/vn",
+            "x.obj:16:7: vertex 99999999999999999999: the file has only 6",
         ),
+        (
+            "f 1 2 -99999999999999999999//1",
+            "x.obj:16:7: vertex -99999999999999999999: only 6 vertices come before",
+        ),
+        ("f 1 7 2\nf 1 8/9 7\nv 0 0 0", "x.obj:17:5: vertex 8: the file has only 7"),
+        ("f 1 2 3.5", "x.obj:16:7: \"3.5\" is not a corner: v, v/vt, v//vn or v/vt/vn"),
         (
             "f 1 2 1 4",
             "x.obj:16:1: face 2 names vertex 0 twice: its corners must differ (counted from 0)",
@@ -195,8 +201,8 @@ fn what_other_programs_leave_behind_is_noted() {
             "f 2 3 5 6\nt corner 1/1/0 99 1\n",
             "x.obj:11:16: corner 0 names vertex 99, but there are only 9 vertices (counted from 0)",
         ),
-        ("f 2 3 5 99\n", "x.obj:10:1: vertex 99: the file has only 9"),
-        ("f 2 3 5 6\nf 2 2 99\n", "x.obj:11:1: vertex 99: the file has only 9"),
+        ("f 2 3 5 99\n", "x.obj:10:9: vertex 99: the file has only 9"),
+        ("f 2 3 5 6\nf 2 2 99\n", "x.obj:11:7: vertex 99: the file has only 9"),
     ] {
         assert_eq!(error(&format!("{loose}{rest}")), message, "{rest}");
     }
