@@ -161,7 +161,7 @@ impl<'a> Reader<'a> {
                 let (points, weights, twice) = self.control(control, keys.weights)?;
                 unused.extend(twice);
                 let points = self.in_plane(entry, self.needed(entry, "points", points)?)?;
-                let weights = weights.map(|raw| self.parse(raw.get())).transpose()?;
+                let weights = weights.map(|raw| self.weights(raw)).transpose()?;
                 CurveKind::Nurbs { degree: self.parse(degree.get())?, knots, points, weights }
             }
             (degree, None, Some(points)) => {

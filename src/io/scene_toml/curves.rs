@@ -1,5 +1,6 @@
 //! Curves in a scene file, as `from_curves.md` shows them.
 
+use glam::DVec3;
 use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
@@ -9,6 +10,7 @@ use super::knot_list::KnotList;
 use super::transforms::TransformKeys;
 use super::values::{Degree, Exactly, Number, Point, Whole};
 use super::{LoadError, Reader};
+use crate::geometry::NurbsSurface;
 use crate::geometry::shapes::QuarticArc;
 use crate::scene::{
     BSplineEnds, CurveKind, CurveSpec, Knots, Place, Transform, UnknownName, Written,
@@ -51,7 +53,7 @@ struct NurbsCurveKeys {
     degree: Degree,
     knots: Option<Spanned<KnotList>>,
     points: Spanned<Vec<Point>>,
-    weights: Option<Vec<Number>>,
+    weights: Option<Spanned<Vec<Spanned<Number>>>>,
 }
 
 #[derive(Deserialize)]
@@ -231,6 +233,19 @@ impl Reader<'_, '_> {
         Ok(CurveKind::QuarticArc { arc, w1: w1.map_or(1.0, |w1| w1.0) })
     }
 
+    /// The weights of a curve with this many points; their place is that of the first unusable one,
+    /// if there is one for each point.
+    fn weights_of(&self, points: usize, list: Spanned<Vec<Spanned<Number>>>) -> Written<Vec<f64>> {
+        let all = list.get_ref();
+        let unusable = all.iter().find(|weight| !NurbsSurface::usable_weight(weight.get_ref().0));
+        let span = match unusable.filter(|_| all.len() == points) {
+            Some(weight) => weight.span(),
+            None => list.span(),
+        };
+        let values = all.iter().map(|weight| weight.get_ref().0).collect();
+        Written::new(values, self.source.place(span.start))
+    }
+
     fn nurbs_curve(&self, keys: NurbsCurveKeys) -> CurveKind {
         let knots = match keys.knots {
             Some(knots) => self.written(knots, |knots| knots.0),
@@ -238,8 +253,9 @@ impl Reader<'_, '_> {
                 Written::new(Knots::ClampedUniform, self.source.place(keys.points.span().start))
             }
         };
-        let points = keys.points.into_inner().into_iter().map(|point| point.0).collect();
-        let weights = keys.weights.map(|list| list.into_iter().map(|w| w.0).collect());
+        let points: Vec<DVec3> =
+            keys.points.into_inner().into_iter().map(|point| point.0).collect();
+        let weights = keys.weights.map(|list| self.weights_of(points.len(), list));
         CurveKind::Nurbs { degree: keys.degree.0 as usize, knots, points, weights }
     }
 }

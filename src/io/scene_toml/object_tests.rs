@@ -28,6 +28,24 @@ fn what_cannot_be_made_from_curves_is_told() {
         ),
         "s.toml:4:44: surface \"cup\": profile: 2 points of degree 2: at least 3 are needed"
     );
+    let weighted = |weights: &str| {
+        let points = "degree = 1, points = [[1, 0], [2, 0]]";
+        shape(&format!(
+            "extrusion]\nby = [0, 0, 1]\nprofile = {{ nurbs = {{ {points},\nweights = {weights} }} }}"
+        ))
+    };
+    let wanted = "it must be positive and finite (from 1e-70 to 1e70)";
+    assert_eq!(
+        weighted("[1,\n-1]"),
+        format!(
+            "s.toml:7:1: surface \"cup\": profile: the weight of control point 1 is -1: {wanted}"
+        )
+    );
+    assert_eq!(
+        weighted("[1, 0, 1]"),
+        "s.toml:6:11: surface \"cup\": profile: 3 weights for 2 control points: each needs one, or \
+         none has any"
+    );
     assert_eq!(
         shape("ruled]\nfrom = { circle = { radius = -1 } }\nto = { circle = { radius = 1 } }"),
         "s.toml:4:8: surface \"cup\": from: radius -1: it must be positive and finite"
@@ -208,7 +226,7 @@ fn knots_by_name() {
     );
     assert_eq!(
         error(&curve(&format!("nurbs = {{ {points}, knots = 'periodic', weights = [1, 1, 1] }}"))),
-        "s.toml:2:28: surface \"tube\": curve: 3 weights for 4 control points: each needs one, or none has any"
+        "s.toml:2:127: surface \"tube\": curve: 3 weights for 4 control points: each needs one, or none has any"
     );
     for (knots, message) in [
         (

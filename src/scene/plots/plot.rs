@@ -194,7 +194,7 @@ impl Checker<'_> {
 
     fn curve(&self, which: &str, spec: &CurveSpec) -> Result<PlottedCurve, SceneError> {
         let zero = match &spec.kind {
-            CurveKind::Nurbs { weights: Some(weights), .. } => weights.contains(&0.0),
+            CurveKind::Nurbs { weights: Some(weights), .. } => weights.value.contains(&0.0),
             _ => false,
         };
         if !zero {

@@ -33,8 +33,9 @@ pub enum CurveKind {
         knots: Written<Knots>,
         /// Its control points, not multiplied by their weights.
         points: Vec<DVec3>,
-        /// A weight for each control point; none for a polynomial curve.
-        weights: Option<Vec<f64>>,
+        /// A weight for each control point; none for a polynomial curve. Errors about weights name
+        /// their place.
+        weights: Option<Written<Vec<f64>>>,
     },
     /// Straight lines from point to point.
     Polyline(Vec<DVec3>),
@@ -138,15 +139,16 @@ impl CurveSpec {
 
     /// Returns the curve that these numbers describe, if they describe one, in its place.
     pub(in crate::scene) fn curve(&self) -> Result<NurbsCurve, CurveFault> {
-        let blame = |error| CurveFault::Curve(self.place.clone(), error);
+        let blame = |error| CurveFault::Curve(self.culprit(&error).clone(), error);
         let curve = match &self.kind {
             CurveKind::Nurbs { degree, knots, points, weights } => {
                 let vector = knot_vector(*degree, &knots.value, points.len())
                     .map_err(|error| CurveFault::Curve(knots.place.clone(), error.into()))?;
-                check_weights(points, weights.as_deref()).map_err(blame)?;
-                check_period(&knots.value, *degree, points, weights.as_deref()).map_err(blame)?;
+                let weights = weights.as_ref().map(|weights| weights.value.as_slice());
+                check_weights(points, weights).map_err(blame)?;
+                check_period(&knots.value, *degree, points, weights).map_err(blame)?;
                 let [given, needed] = [points.len(), vector.point_count()].map(|count| [1, count]);
-                let weights = weights.as_ref().map(|weights| wrapped(weights, given, needed));
+                let weights = weights.map(|weights| wrapped(weights, given, needed));
                 NurbsCurve::new(vector, wrapped(points, given, needed), weights)
             }
             CurveKind::Polyline(points) => NurbsCurve::polyline(points),
@@ -179,6 +181,20 @@ impl CurveSpec {
         Ok(if self.reverse { curve.reversed() } else { curve })
     }
 
+    /// Where the part of the curve that an error is about was written.
+    fn culprit(&self, error: &CurveError) -> &Place {
+        match (&self.kind, error) {
+            (
+                CurveKind::Nurbs { weights: Some(weights), .. },
+                CurveError::Weight { .. }
+                | CurveError::WeightCount { .. }
+                | CurveError::BasisWeight { .. }
+                | CurveError::NoWeight { .. },
+            ) => &weights.place,
+            _ => &self.place,
+        }
+    }
+
     /// All steps of its transform.
     pub(in crate::scene) fn placed(&self) -> Result<DAffine3, CurveFault> {
         placed(&self.transform)
@@ -188,10 +204,11 @@ impl CurveSpec {
     /// The basis and the control points, in their place, of a NURBS curve with zeros among its
     /// weights; other kinds of curves have none.
     pub(in crate::scene) fn weighted(&self) -> Result<(RationalBasis, Vec<DVec3>), CurveFault> {
-        let blame = |error| CurveFault::Curve(self.place.clone(), error);
+        let blame = |error| CurveFault::Curve(self.culprit(&error).clone(), error);
         let CurveKind::Nurbs { degree, knots, points, weights: Some(weights) } = &self.kind else {
             return Err(blame(CurveError::WeightCount { weights: 0, points: self.point_count() }));
         };
+        let weights = &weights.value;
         let vector = knot_vector(*degree, &knots.value, points.len())
             .map_err(|error| CurveFault::Curve(knots.place.clone(), error.into()))?;
         if let Some(index) = points.iter().position(|point| !point.is_finite()) {
