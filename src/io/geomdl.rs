@@ -463,6 +463,11 @@ fn message(error: &serde_json::Error, around: [&str; 2]) -> String {
             return format!("{word} is not a number JSON knows: numbers must be finite");
         }
     }
+    // Depending on what is read, one more comma in a list is a value that is missing.
+    let [_, here] = around;
+    if said == "trailing comma" || (said == "expected value" && here.starts_with([']', '}'])) {
+        return "found a closing bracket, needed a value before it: a comma too many?".to_owned();
+    }
     match said {
         "expected value" | "expected ident" => "this is no JSON".to_owned(),
         "key must be a string" => "a key must be in double quotes".to_owned(),

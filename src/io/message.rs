@@ -79,7 +79,7 @@ const AROUND_CURVES: [(&str, [&str; 2]); 3] = [
 ];
 
 /// Keys whose values are often written as another kind of value, and what these look like.
-const EXAMPLES: [(&str, &str); 26] = [
+const EXAMPLES: [(&str, &str); 28] = [
     ("perspective", "{ fov = 30 }"),
     ("orthographic", "{ height = 4 }"),
     ("directional", "{ from = [-2, -3, 4], irradiance = 2.5 }"),
@@ -106,6 +106,8 @@ const EXAMPLES: [(&str, &str); 26] = [
     ("scheme", "\"chaikin\""),
     ("plane", "\"xy\""),
     ("caps", "\"round\""),
+    ("creases", "[{ vertices = [0, 1], sharpness = 2.5 }]"),
+    ("corners", "[{ vertices = [0], sharpness = 2.5 }]"),
 ];
 
 /// Messages of the TOML parser, and what they say in plain words.
@@ -162,10 +164,18 @@ pub(super) fn explain(message: &str, written: &str) -> String {
             message.strip_prefix(start).and_then(|rest| rest.split_once(", expected "))
         {
             let of_length = if start == "invalid length " { "length " } else { "" };
-            return format!("found {of_length}{}, needed {}", plain(found), plain(needed));
+            let (found, needed) = (plain(found), plain(needed));
+            let shorter = if too_long(&found, &needed) { ", of at most 18 digits" } else { "" };
+            return format!("found {of_length}{found}, needed {needed}{shorter}");
         }
     }
     message.replace('`', "\"")
+}
+
+/// Whether a whole number is of the right kind, but beyond 64 bits.
+fn too_long(found: &str, needed: &str) -> bool {
+    let digits = found.strip_prefix("integer ").filter(|_| needed == "a whole number from 0 on");
+    digits.is_some_and(|digits| digits.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
 /// The message for a single table where a list of tables is needed, or the other way round.
@@ -221,13 +231,19 @@ fn unknown(what: &'static str, rest: &str) -> String {
 }
 
 /// The message, with an example if it asks for a table or a name and the key in front of the value
-/// is one of [`EXAMPLES`]; `before` is the text up to the value.
+/// is one of [`EXAMPLES`]; `before` is the text up to the value, or up to the first of a list.
 pub(super) fn with_example(message: String, before: &str) -> String {
-    let Some(before) = before.trim_end().strip_suffix('=') else { return message };
+    let before = before.trim_end();
+    let (before, begins_list) = match before.strip_suffix('[') {
+        Some(before) => (before.trim_end(), true),
+        None => (before, false),
+    };
+    let Some(before) = before.strip_suffix('=') else { return message };
     let word = before.trim_end().rsplit(|c: char| !c.is_alphanumeric() && c != '_').next();
     let fits = |(key, example): &&(&str, &str)| {
-        let asked = if example.starts_with('{') { "a table" } else { "a name in quotes" };
-        Some(*key) == word && message.ends_with(&format!("needed {asked}"))
+        let asked = if example.contains('{') { "a table" } else { "a name in quotes" };
+        let fits = Some(*key) == word && example.starts_with('[') == begins_list;
+        fits && message.ends_with(&format!("needed {asked}"))
     };
     match EXAMPLES.iter().find(fits) {
         Some((key, example)) => format!("{message}, as in {key} = {example}"),

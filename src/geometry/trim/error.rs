@@ -226,9 +226,9 @@ pub enum TrimError {
         /// What is wrong with it.
         error: TrimLoopError,
     },
-    /// A loop lies outside the domain and cuts nothing.
+    /// A loop lies outside the domain, or on its border, and cuts nothing.
     #[error(
-        "loop {index} lies on {} to {}, outside the domain {} to {}",
+        "loop {index} lies on {} to {}: no part of it is inside the domain {} to {}",
         measured(.loop_box[0]), measured(.loop_box[1]), shown(.domain[0]), shown(.domain[1])
     )]
     OutsideDomain {

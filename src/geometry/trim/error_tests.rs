@@ -188,7 +188,7 @@ fn domains_cut_loops_and_refuse_those_beside_them() {
         Trims::new(unit(), Kept::Odd, &[square(0., 0., 1.), square(2., 0., 1.)]).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "loop 1 lies on (2, 0) to (3, 1), outside the domain (0, 0) to (1, 1)"
+        "loop 1 lies on (2, 0) to (3, 1): no part of it is inside the domain (0, 0) to (1, 1)"
     );
     assert_eq!(Trims::new(unit(), Kept::Odd, &[]).unwrap_err(), TrimError::NoLoops);
     let error = TrimDomain::new([0.0, 1.0], [2.0, 2.0]).unwrap_err();

@@ -320,6 +320,14 @@ fn wrong_layout() {
         ("{\"shape\": {}, \"shape\": {}}", ":1:21: key \"shape\" is given twice"),
         ("{'shape': {}}", ":1:2: a key must be in double quotes"),
         ("{} {}", ":1:4: the model ends before this"),
+        (
+            "{\"surfaces\": [1,]}",
+            ":1:17: found a closing bracket, needed a value before it: a comma too many?",
+        ),
+        (
+            "{\"order\": \"v fastest\",}",
+            ":1:23: found a closing bracket, needed a value before it: a comma too many?",
+        ),
     ] {
         assert_eq!(error(text), format!("m.json{message}"), "{text}");
     }

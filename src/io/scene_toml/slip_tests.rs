@@ -25,6 +25,11 @@ fn what_is_often_written_otherwise_is_shown() {
              the opposite of its direction of travel",
         ),
         (
+            "[[object]]\nshape = { doo_sabin = { creases = [[0, 1]] } }",
+            "4:36: found a list, needed a table, as in creases = [{ vertices = [0, 1], sharpness = \
+             2.5 }]",
+        ),
+        (
             "[[object]]\nshape = { revolution = { profile = [[1, 0], [1, 2]] } }",
             "4:36: found a list, needed a table, as in profile = { polyline = […] }",
         ),

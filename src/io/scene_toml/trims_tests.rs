@@ -134,7 +134,8 @@ fn trims_that_cannot_be_are_named() {
         ),
         (
             "loops = [{ circle = { center = [5, 5], radius = 1 } }]",
-            "5:10: surface \"sheet\": trims: loop 0 lies on (4, 4) to (6, 6), outside the domain (0, 0) to (1, 1)",
+            "5:10: surface \"sheet\": trims: loop 0 lies on (4, 4) to (6, 6): no part of it is inside \
+             the domain (0, 0) to (1, 1)",
         ),
         (
             "loops = [{ polygon = [[-1, -1], [2, -1], [2, 2], [-1, 2]] }]\nkeep = 'outside'",

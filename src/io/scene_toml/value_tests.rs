@@ -567,7 +567,8 @@ fn errors_point_at_the_value_not_at_its_table() {
         ("name = \"a\\nb\"", "3:8: a name is a single line, without control characters"),
         (
             "[render]\nseed = 99999999999999999999",
-            "4:8: found integer 99999999999999999999, needed a whole number from 0 on",
+            "4:8: found integer 99999999999999999999, needed a whole number from 0 on, of at most 18 \
+             digits",
         ),
     ] {
         assert_eq!(error(&with_sphere(lines)), format!("s.toml:{message}"), "{lines}");
