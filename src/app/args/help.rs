@@ -112,9 +112,10 @@ three of these; trims and the hierarchy count, too).
 libembree4 or libembree3, or the library named by EMBREE_LIB. Every knot span is
 cut evenly, as often as is needed for the sampled distance between surface and
 triangles to stay within tolerance x diagonal, and as often as its neighbours in
-the same row or column, so that no gaps open inside a surface. Cells that trims
-cut become RTC_GEOMETRY_TYPE_TRIANGLE, a Delaunay triangulation with chords that
-are equally near to the trim curves. nurbray evaluates the vertices, their
+the same row or column, so that no gaps open inside a surface. Of trimmed
+surfaces, whole cells become grids as large as possible, and cells that trims cut
+RTC_GEOMETRY_TYPE_TRIANGLE, a Delaunay triangulation with chords that are equally
+near to the trim curves. nurbray evaluates the vertices, their
 positions only, on one thread; Embree copies them and builds its hierarchy.
 rtcIntersect1 (rtcOccluded1) for single rays; else the fastest of 1, 8 and 16.
 Triangles and rays are moved to the middle of the bounding box and scaled by a

@@ -28,10 +28,10 @@ pub(super) fn clipped(ring: &[DVec2], [low, high]: [DVec2; 2]) -> Vec<DVec2> {
     if ring.len() < 3 { Vec::new() } else { ring }
 }
 
-/// Joins rings, none of which cross, into one closed polygon that winds once around what lies
-/// within an odd number of them, and not at all around the rest. It runs the rings in turn, each
-/// counterclockwise if an even number of others lies around it, and joins them by slits that
-/// it runs both ways.
+/// Joins rings, none of which cross by more than a picture shows, into one closed polygon that winds
+/// once around what lies within an odd number of them, and not at all around the rest. It runs the
+/// rings in turn, each counterclockwise if an even number of others lies around it, and joins them
+/// by slits that it runs both ways.
 pub(super) fn keyhole(rings: &[Vec<DVec2>]) -> Vec<DVec2> {
     let mut outline = Vec::new();
     let Some(start) = rings.iter().find_map(|ring| ring.first()) else { return outline };

@@ -129,7 +129,8 @@ impl TessellationPlan {
     }
 }
 
-/// Surfaces as grids of triangles: one mesh a surface, one grid a knot span.
+/// Surfaces as grids of triangles: one mesh a surface, one grid a knot span where nothing is
+/// trimmed.
 ///
 /// On trimmed surfaces, cells that are kept whole form grids as large as possible. The kept part of
 /// a cut cell is triangulated along chords of the trim curves; the chords are as near to the curves
