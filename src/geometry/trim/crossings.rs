@@ -9,7 +9,7 @@ use super::contacts::{Contact, contacts_after};
 use super::lobes::Lobes;
 use super::segment::Segment;
 use super::tree::Tree;
-use super::{TrimError, TrimLoopError, UvBox};
+use super::{TrimError, TrimLoop, TrimLoopError, UvBox};
 
 /// The number of parts into which a contact that could not be resolved further is divided for
 /// sampling: two curves that cross there and back again are noticed if a sixteenth of the contact
@@ -43,6 +43,15 @@ const MOST_REACHES: f64 = 64.0;
 /// what their curves are off. What lies between counts by the even–odd rule like all else. For a
 /// loop drawn a thousand pixels wide, it is a hundredth of a pixel wide.
 pub const OVERLAP_TOLERANCE: f64 = 1e-5;
+
+/// How far two loops may overlap, in u and in v.
+pub(crate) fn tolerated_overlap(a: &TrimLoop, b: &TrimLoop) -> DVec2 {
+    tolerated([a.bounds(), b.bounds()])
+}
+
+fn tolerated([a, b]: [UvBox; 2]) -> DVec2 {
+    OVERLAP_TOLERANCE * a.size().min(b.size())
+}
 
 /// The number of contacts at which they are checked for the first time, before all are found.
 const FIRST_LOOK: usize = 64;
@@ -124,7 +133,7 @@ impl Checks<'_> {
             let mut course = strand.course(&found);
             if matches!(course, Course::Crosses(_)) && !itself {
                 let [own, others] = [this, other].map(|of| around(&segments[loops[of].clone()]));
-                strand.spare = OVERLAP_TOLERANCE * own.size().min(others.size());
+                strand.spare = tolerated([own, others]);
                 course = strand.course(&strand.with_all_in(&others, found));
             }
             let (loop_a, loop_b) = (owners[this], owners[other]);

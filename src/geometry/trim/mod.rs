@@ -56,6 +56,7 @@ mod uv_box;
 mod window;
 
 pub use crossings::OVERLAP_TOLERANCE;
+pub(crate) use crossings::tolerated_overlap;
 pub use curve::{MAX_TRIM_POINTS, TrimCurve};
 pub use domain::TrimDomain;
 pub use error::{TrimCurveError, TrimError, TrimLoopError};

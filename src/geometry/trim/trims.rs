@@ -341,6 +341,11 @@ impl Trims {
         self.segments.iter().map(|segment| segment.directed_ends()[0])
     }
 
+    /// The middles of all monotone segments.
+    pub(crate) fn middles(&self) -> impl Iterator<Item = DVec2> {
+        self.segments.iter().map(|segment| segment.directed_at(0.5))
+    }
+
     /// The number of loops, copies by periods included.
     pub fn loop_count(&self) -> usize {
         self.loops.len()

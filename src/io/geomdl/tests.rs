@@ -402,6 +402,29 @@ fn trims_cut_as_in_geomdl() {
     assert!(none.surfaces[0].surface.trimmed().is_none());
 }
 
+/// Wherever a hole begins, it lies in the outline that it touches, overlaps a little, or is
+/// inscribed in; also if it is so narrow that it lies within the tolerated overlap.
+#[test]
+fn what_overlaps_a_little_is_still_a_hole() {
+    let near = |v: f64| [[0.5, v], [0.7, 0.95], [0.7, 0.6], [0.5, 0.6]];
+    let holes = [0.95, 0.95 + 1e-15, 0.95 + 1e-12, 0.95 + 1e-7, 0.95 + 1e-6].map(near);
+    let inscribed = [[0.5, 0.05], [0.95, 0.5], [0.5, 0.95], [0.05, 0.5]];
+    let cases = holes.into_iter().chain([inscribed]).map(|hole| (OUTLINE, hole));
+    // Along a slanted side, a hole may be narrower than the overlap that would be tolerated.
+    let triangle = r#"{"points": [[0.1, 0.1], [0.9, 0.1], [0.9, 0.9]], "reversed": 1}"#;
+    let narrow = [[0.3, 0.3], [0.7, 0.7], [0.7 + 3e-6, 0.7 - 3e-6], [0.3 + 3e-6, 0.3 - 3e-6]];
+    for (outline, mut hole) in cases.chain([(triangle, narrow)]) {
+        for _ in 0..4 {
+            hole.rotate_left(1);
+            let hole = format!("{{\"points\": {hole:?}, \"reversed\": 0}}");
+            for trims in [format!("[{outline}, {hole}]"), format!("[{hole}, {outline}]")] {
+                let made = world(&trimmed(&trims));
+                assert!(made.surfaces[0].surface.trimmed().is_some(), "{trims}");
+            }
+        }
+    }
+}
+
 #[test]
 fn what_trims_leave_unused_is_noted() {
     let line = r#"{"points": [[0.2, 0.2], [0.8, 0.2], [0.5, 0.8], [0.2, 0.2]]"#;

@@ -6,6 +6,7 @@ use glam::DVec2;
 
 use crate::geometry::trim::{
     Coverage, Kept, Side, TrimCurve, TrimDomain, TrimError, TrimLoop, TrimLoopError, Trims,
+    tolerated_overlap,
 };
 use crate::geometry::{NurbsCurve, NurbsSurface, TrimmedSurface};
 use crate::scene::errors::{SceneError, SceneFault, TrimCurveFault};
@@ -17,6 +18,10 @@ use crate::scene::written::{
 /// The width of the strip along a domain's border in which kept parts do not count, as a share of
 /// the domain's sides.
 const BORDER: f64 = 1e-9;
+
+/// How often a loop is looked at for points that are clear of another one, each time a quarter as
+/// far: from a tolerated overlap down to rounding.
+const LOOKS: usize = 20;
 
 impl TrimSpec {
     /// The number of control points written.
@@ -75,18 +80,13 @@ impl TrimSpec {
             loops.iter().map(|one| Trims::new(domain, Kept::Odd, std::slice::from_ref(one)));
         let Ok(alone) = alone.collect::<Result<Vec<Trims>, _>>() else { return Ok(()) };
         for (index, (one, trims)) in self.loops.iter().zip(&alone).enumerate() {
-            let points: Vec<DVec2> = trims.joints().collect();
-            // Loops may touch: a point clear of the other one decides.
-            let lies_in = |other: &Trims| {
-                let sides = points.iter().map(|&point| other.contains(point));
-                sides.into_iter().find_map(|side| match side {
-                    Side::Inside => Some(true),
-                    Side::Outside => Some(false),
-                    Side::Edge { .. } => None,
-                })
+            let points: Vec<DVec2> = trims.joints().chain(trims.middles()).collect();
+            let is_around = |(other, trims): &(usize, &Trims)| {
+                let overlap = tolerated_overlap(&loops[index], &loops[*other]);
+                lies_in(&points, trims, overlap)
             };
             let others = alone.iter().enumerate().filter(|(other, _)| *other != index);
-            let around = others.filter(|(_, other)| lies_in(other) == Some(true)).count();
+            let around = others.filter(is_around).count();
             let outlines = (around % 2 == 0) == (self.kept == Kept::Odd);
             let found = if outlines { LoopSense::Outline } else { LoopSense::Hole };
             if let Some(said) = one.sense.filter(|said| *said != found) {
@@ -113,6 +113,22 @@ impl TrimSpec {
         };
         index.and_then(|index| self.loops.get(index)).map_or(&self.place, |one| &one.place)
     }
+}
+
+/// Whether a loop through these points lies in the only loop of some trims.
+///
+/// Loops may touch, and overlap a little where they do: a point clear of that decides. A loop so
+/// narrow that it has none is decided by the points that are as clear as any.
+fn lies_in(points: &[DVec2], other: &Trims, overlap: DVec2) -> bool {
+    let reaches = std::iter::successors(Some(overlap), |reach| Some(0.25 * *reach));
+    let mut sides = reaches.take(LOOKS).flat_map(|reach| {
+        points.iter().filter_map(move |&point| match other.contains_within(point, reach) {
+            Side::Inside => Some(true),
+            Side::Outside => Some(false),
+            Side::Edge { .. } => None,
+        })
+    });
+    sides.next() == Some(true)
 }
 
 impl LoopSpec {
