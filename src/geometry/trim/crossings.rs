@@ -9,7 +9,7 @@ use super::contacts::{Contact, contacts_after};
 use super::lobes::Lobes;
 use super::segment::Segment;
 use super::tree::Tree;
-use super::{TrimError, TrimLoop, TrimLoopError, UvBox};
+use super::{TrimDomain, TrimError, TrimLoop, TrimLoopError, UvBox};
 
 /// The number of parts into which a contact that could not be resolved further is divided for
 /// sampling: two curves that cross there and back again are noticed if a sixteenth of the contact
@@ -36,8 +36,8 @@ const SMALL_AREA: f64 = 1e-9;
 /// A loop no larger than this many rounding errors of its curves counts as a point.
 const MOST_REACHES: f64 = 64.0;
 
-/// Two loops may cross where they overlap by no more than this, relative to the smaller of their
-/// extents in u and in v.
+/// Two loops may cross where they overlap by no more than this, relative to the smallest of their
+/// extents and the domain's, in u and in v.
 ///
 /// In CAD files, a hole that touches an outline, or two that share a side, may cross it there by
 /// what their curves are off. What lies between counts by the even–odd rule like all else. For a
@@ -45,12 +45,14 @@ const MOST_REACHES: f64 = 64.0;
 pub const OVERLAP_TOLERANCE: f64 = 1e-5;
 
 /// How far two loops may overlap, in u and in v.
-pub(crate) fn tolerated_overlap(a: &TrimLoop, b: &TrimLoop) -> DVec2 {
-    tolerated([a.bounds(), b.bounds()])
+pub(crate) fn tolerated_overlap(domain: &TrimDomain, a: &TrimLoop, b: &TrimLoop) -> DVec2 {
+    tolerated([domain.bounds(), a.bounds(), b.bounds()])
 }
 
-fn tolerated([a, b]: [UvBox; 2]) -> DVec2 {
-    OVERLAP_TOLERANCE * a.size().min(b.size())
+/// Loops may reach far beyond the domain, so it counts, too. (It counts as a whole: all copies of a
+/// loop by periods are measured alike, however far each reaches in.)
+fn tolerated(boxes: [UvBox; 3]) -> DVec2 {
+    OVERLAP_TOLERANCE * boxes.map(|one| one.size()).into_iter().fold(DVec2::INFINITY, DVec2::min)
 }
 
 /// The number of contacts at which they are checked for the first time, before all are found.
@@ -69,6 +71,7 @@ const FIRST_LOOK: usize = 64;
 /// lobes](Lobes) are left out. Where a loop crosses another, only values at points farther from it
 /// than the tolerance count.
 pub(super) fn check_crossings(
+    domain: &TrimDomain,
     segments: &[Segment],
     loops: &[Range<usize>],
     owners: &[usize],
@@ -82,7 +85,7 @@ pub(super) fn check_crossings(
         }
     }
 
-    let mut checks = Checks { segments, loops, owners, trees: BTreeMap::new() };
+    let mut checks = Checks { domain, segments, loops, owners, trees: BTreeMap::new() };
     let most = WORK_FOR_A_START + WORK_PER_SEGMENT * segments.len();
     let (mut found, mut work, mut enough) = (Vec::new(), 0, FIRST_LOOK);
     for a in 0..segments.len() {
@@ -103,6 +106,7 @@ pub(super) fn check_crossings(
 
 /// What contacts are checked with.
 struct Checks<'a> {
+    domain: &'a TrimDomain,
     segments: &'a [Segment],
     loops: &'a [Range<usize>],
     owners: &'a [usize],
@@ -133,7 +137,7 @@ impl Checks<'_> {
             let mut course = strand.course(&found);
             if matches!(course, Course::Crosses(_)) && !itself {
                 let [own, others] = [this, other].map(|of| around(&segments[loops[of].clone()]));
-                strand.spare = tolerated([own, others]);
+                strand.spare = tolerated([self.domain.bounds(), own, others]);
                 course = strand.course(&strand.with_all_in(&others, found));
             }
             let (loop_a, loop_b) = (owners[this], owners[other]);

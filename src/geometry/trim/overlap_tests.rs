@@ -83,6 +83,24 @@ fn tiny_holes_overlap_as_little_as_they_are_tiny() {
     }
 }
 
+/// Half planes reach as far beyond the domain as they like; what counts is what overlaps in it.
+#[test]
+fn loops_that_reach_far_overlap_no_more_than_others() {
+    let domain = TrimDomain::new([0.0, 1.0], [0.0, 1.0]).unwrap();
+    for far in [1.0, 1e3, 1e5, 1e8] {
+        let half_planes = |over: f64| {
+            let sides = [[-far, 0.5], [0.5 - over, 1.0 + far]];
+            let loops = sides.map(|u| TrimLoop::rectangle(UvBox::new(u, [-far, 1.0 + far])));
+            Trims::new(domain, Kept::Even, &loops.map(Result::unwrap))
+        };
+        assert!(half_planes(9e-6).is_ok(), "{far:e}");
+        for over in MUCH {
+            let error = half_planes(over).unwrap_err();
+            assert!(matches!(error, TrimError::Crossing { .. }), "{far:e}, {over:e}: {error}");
+        }
+    }
+}
+
 /// A tooth leaves the outline so near its corner that only its other sides are clear of it.
 #[test]
 fn large_overlaps_are_seen_wherever_they_begin() {

@@ -160,7 +160,7 @@ impl Trims {
         }
         look_for_border(&domain, &mut segments);
         let tree = Tree::new(&segments, &ranges);
-        check_crossings(&segments, &ranges, &owners, &tree)?;
+        check_crossings(&domain, &segments, &ranges, &owners, &tree)?;
         for (index, trim_loop) in loops.iter().enumerate() {
             trim_loop.check_dangling(&domain).map_err(|error| TrimError::Loop { index, error })?;
         }

@@ -82,7 +82,7 @@ impl TrimSpec {
         for (index, (one, trims)) in self.loops.iter().zip(&alone).enumerate() {
             let points: Vec<DVec2> = trims.joints().chain(trims.middles()).collect();
             let is_around = |(other, trims): &(usize, &Trims)| {
-                let overlap = tolerated_overlap(&loops[index], &loops[*other]);
+                let overlap = tolerated_overlap(&domain, &loops[index], &loops[*other]);
                 lies_in(&points, trims, overlap)
             };
             let others = alone.iter().enumerate().filter(|(other, _)| *other != index);
