@@ -123,22 +123,28 @@ impl Checks<'_> {
         for contact in contacts.iter().filter(|contact| contact.loops[0] == contact.loops[1]) {
             own.entry(contact.loops[0]).or_default().push(contact);
         }
-        for ([this, other], found) in by_loops(contacts) {
+        let near = by_loops(contacts);
+        for ([this, other], found) in &near {
+            let (this, other) = (*this, *other);
             let lobes = match own.get(&this).filter(|_| this == other) {
                 Some(own) => Lobes::between(own.iter().copied(), segments, &loops[this]),
                 None => Lobes::default(),
             };
-            let alone = std::slice::from_ref(&loops[other]);
-            let other_tree = self.trees.entry(other).or_insert_with(|| Tree::new(segments, alone));
-            let range = loops[this].clone();
             let itself = this == other;
             let spare = DVec2::ZERO;
-            let mut strand = Strand { segments, range, lobes, other: other_tree, itself, spare };
-            let mut course = strand.course(&found);
+            let range = loops[this].clone();
+            let tree = self.tree(other);
+            let mut course =
+                Strand { segments, range, lobes, other: tree, itself, spare }.course(found);
             if matches!(course, Course::Crosses(_)) && !itself {
-                let [own, others] = [this, other].map(|of| around(&segments[loops[of].clone()]));
-                strand.spare = tolerated([self.domain.bounds(), own, others]);
-                course = strand.course(&strand.with_all_in(&others, found));
+                course = self.course_with_overlap([this, other], &near);
+                // A narrow loop along a side of another one overlaps it by no more than is
+                // tolerated wherever it is.
+                if matches!(course, Course::Hidden)
+                    && !matches!(self.course_with_overlap([other, this], &near), Course::Hidden)
+                {
+                    course = Course::Steady;
+                }
             }
             let (loop_a, loop_b) = (owners[this], owners[other]);
             match course {
@@ -165,6 +171,32 @@ impl Checks<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The course of a loop along another one, where it is farther from it than they may overlap.
+    fn course_with_overlap(
+        &mut self,
+        [this, other]: [usize; 2],
+        near: &BTreeMap<[usize; 2], Stretches>,
+    ) -> Course {
+        let Self { domain, segments, loops, .. } = *self;
+        let [own, others] = [this, other].map(|of| around(&segments[loops[of].clone()]));
+        let strand = Strand {
+            segments,
+            range: loops[this].clone(),
+            lobes: Lobes::default(),
+            other: self.tree(other),
+            itself: false,
+            spare: tolerated([domain.bounds(), own, others]),
+        };
+        let near = near.get(&[this, other]).cloned().unwrap_or_default();
+        strand.course(&strand.with_all_in(&others, near))
+    }
+
+    /// The hierarchy of one loop.
+    fn tree(&mut self, index: usize) -> &Tree {
+        let alone = std::slice::from_ref(&self.loops[index]);
+        self.trees.entry(index).or_insert_with(|| Tree::new(self.segments, alone))
     }
 }
 

@@ -125,6 +125,25 @@ fn copies_by_rounding_are_told_as_such() {
     }
 }
 
+/// A slot along a slanted side, narrower than the overlap that is tolerated, is no copy of what it
+/// touches or overlaps.
+#[test]
+fn narrow_slots_may_overlap_what_they_run_along() {
+    let outline = polygon(&[(0.1, 0.1), (0.9, 0.1), (0.9, 0.9)]);
+    for wide in [1e-3, 2e-5, 3e-6, 3e-8] {
+        for over in [0.0, 1e-12, 1e-9] {
+            let [near, far] = [0.3, 0.7].map(|at| (at, at + over));
+            let slot = polygon(&[near, far, (0.7 + wide, 0.7 - wide), (0.3 + wide, 0.3 - wide)]);
+            for loops in [[outline.clone(), slot.clone()], [slot.clone(), outline.clone()]] {
+                let trims = made(&loops).unwrap_or_else(|error| panic!("{wide}, {over}: {error}"));
+                let within = DVec2::new(0.5 + 0.5 * wide, 0.5 - 0.5 * wide);
+                assert_eq!(trims.contains(within), Side::Outside, "{wide}, {over}");
+                assert_eq!(trims.contains(DVec2::new(0.6, 0.4)), Side::Inside, "{wide}, {over}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_loop_may_overlap_its_copy_a_period_away_by_next_to_nothing() {
     let domain = TrimDomain::new([0.0, 1.0], [0.0, 1.0]).unwrap().periodic_in(Direction::U);
