@@ -17,6 +17,11 @@ fn measured(point: DVec2) -> String {
     format!("({}, {})", Measured(point.x), Measured(point.y))
 }
 
+/// How to bring a loop nearer to its domain.
+fn nearer(periodic: bool) -> &'static str {
+    if periodic { "move the loop by whole periods" } else { "cut the loop off nearer to it" }
+}
+
 /// Two points of (u, v) that were computed, with as many digits as it takes to tell them apart.
 fn told_apart(points: [DVec2; 2]) -> [String; 2] {
     let with = |digits: usize| {
@@ -242,8 +247,8 @@ pub enum TrimError {
     /// A loop reaches so far beyond the domain that digits are lost there.
     #[error(
         "loop {index} reaches {direction} = {}, too far from the domain, {} to {}: at most {limit:e} times its \
-         length is supported; cut the loop off nearer to it",
-        Measured(*.at), Shown(.domain[0]), Shown(.domain[1])
+         length is supported; {}",
+        Measured(*.at), Shown(.domain[0]), Shown(.domain[1]), nearer(*.periodic)
     )]
     TooFar {
         /// Which loop, counted from 0.
@@ -254,6 +259,8 @@ pub enum TrimError {
         at: f64,
         /// Where the domain begins and ends.
         domain: [f64; 2],
+        /// Whether it closes on itself in that direction.
+        periodic: bool,
         /// How many times the domain's length a loop may be away from it.
         limit: f64,
     },

@@ -420,4 +420,8 @@ fn loops_may_reach_far_but_not_where_digits_are_lost() {
     );
     let round = Trims::new(domain, Kept::Odd, &[circle(1e9 + 0.5, 0.5, 1e9)]);
     assert!(matches!(round, Err(TrimError::TooFar { direction: Direction::U, .. })), "{round:?}");
+    let domain = domain.periodic_in(Direction::U);
+    let away = Trims::new(domain, Kept::Odd, &[circle(2e9 + 0.5, 0.5, 0.25)]);
+    let advice = "times its length is supported; move the loop by whole periods";
+    assert!(away.as_ref().unwrap_err().to_string().ends_with(advice), "{away:?}");
 }

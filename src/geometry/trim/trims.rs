@@ -421,11 +421,14 @@ fn shifts_into(
         return Err(TrimError::OutsideDomain { index, loop_box, domain: [bounds.min, bounds.max] });
     }
     for direction in Direction::BOTH {
+        let periodic = domain.is_periodic(direction);
         let domain = [bounds.min[direction], bounds.max[direction]];
         let (low, high) = (loop_box.min[direction], loop_box.max[direction]);
         for (at, beyond) in [(low, domain[0] - low), (high, high - domain[1])] {
             if beyond > FARTHEST * (domain[1] - domain[0]) {
-                return Err(TrimError::TooFar { index, direction, at, domain, limit: FARTHEST });
+                let limit = FARTHEST;
+                let error = TrimError::TooFar { index, direction, at, domain, periodic, limit };
+                return Err(error);
             }
         }
     }

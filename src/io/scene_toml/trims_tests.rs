@@ -138,6 +138,10 @@ fn trims_that_cannot_be_are_named() {
              the domain (0, 0) to (1, 1)",
         ),
         (
+            "loops = [\n  { circle = { center = [0.5, 0.5], radius = 0.1 } },\n  { polygon = [[0.2, 0.2], [2e9, 0.5], [0.2, 0.8]] },\n]",
+            "7:3: surface \"sheet\": trims: loop 1 reaches u = 2000000000, too far from the domain, 0 to 1: at most 1e9 times its length is supported; cut the loop off nearer to it",
+        ),
+        (
             "loops = [{ polygon = [[-1, -1], [2, -1], [2, 2], [-1, 2]] }]\nkeep = 'outside'",
             "4:1: surface \"sheet\": trims: they keep no part of the surface",
         ),

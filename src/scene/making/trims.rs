@@ -103,13 +103,19 @@ impl TrimSpec {
         let index = match error {
             TrimError::Loop { index, .. }
             | TrimError::OutsideDomain { index, .. }
+            | TrimError::TooFar { index, .. }
             | TrimError::TooManyPeriods { index, .. }
             | TrimError::SelfCrossing { index, .. }
             | TrimError::CopyCrossing { index, .. } => Some(*index),
             TrimError::Crossing { loops, .. } | TrimError::Coincident { loops } => {
                 loops.iter().copied().max()
             }
-            _ => None,
+            TrimError::Domain { .. }
+            | TrimError::OtherDomain { .. }
+            | TrimError::NoLoops
+            | TrimError::TooManySegments { .. }
+            | TrimError::Entangled { .. }
+            | TrimError::Tolerance { .. } => None,
         };
         index.and_then(|index| self.loops.get(index)).map_or(&self.place, |one| &one.place)
     }
