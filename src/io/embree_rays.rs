@@ -32,8 +32,11 @@ pub enum PacketWidth {
 /// The first meeting of a ray and a mesh, as Embree reports it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmbreeHit {
-    /// The ray parameter, in units of the direction given; found in f32, from beside the scene on.
+    /// The ray parameter, in units of the direction given.
     pub t: f64,
+    /// The ray parameter, in the same units, from which on Embree searched: `t − start` was found
+    /// in f32.
+    pub start: f64,
     /// Which mesh of the scene.
     pub mesh: u32,
     /// Whether a grid was hit or a triangle: of a mesh given as grids, a face.
@@ -152,6 +155,7 @@ impl<const N: usize> RayHit<N> {
                 let (mesh, kind) = of_geometry(self.geometry[lane]);
                 EmbreeHit {
                     t: f64::from(self.t_far[lane]),
+                    start: 0.0,
                     mesh,
                     kind,
                     primitive: self.primitive[lane],
@@ -272,6 +276,7 @@ impl EmbreeRays {
         };
         for (hit, [start, unit]) in hits.iter_mut().zip(&self.units) {
             if let Some(hit) = hit {
+                hit.start = *start;
                 hit.t = start + hit.t * unit;
             }
         }

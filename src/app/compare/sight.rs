@@ -12,6 +12,13 @@ use super::super::race::Rays;
 /// Rays a thread takes at a time; it changes no answer.
 const CHUNK: usize = 4096;
 
+/// Rounding of the distances that Embree finds in f32, relative: its sums of a few products lose a
+/// few ulp.
+const F32_ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
+
+/// The same of distances from where a ray begins, in f64.
+const F64_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// What one ray meets first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sight {
@@ -23,6 +30,9 @@ pub(super) struct Sight {
     pub(super) normal: DVec3,
     /// The unit normal of the triangle hit; on a surface, the same as `normal`.
     pub(super) facet: DVec3,
+    /// How far off rounding may have put a triangle's distance; 0 for a surface, which is the
+    /// truth.
+    pub(super) rounding: f64,
     /// The distance from the ray of the surface point at the reported `(u, v)`; 0 for a
     /// triangle, which has no such point.
     pub(super) residual: f64,
@@ -81,6 +91,7 @@ pub(super) fn on_surface(answer: &Answer, ray: &Ray) -> Option<Sight> {
         point,
         normal: hit.normal,
         facet: hit.normal,
+        rounding: 0.0,
         residual: point.distance(hit.point),
     })
 }
@@ -88,11 +99,13 @@ pub(super) fn on_surface(answer: &Answer, ray: &Ray) -> Option<Sight> {
 /// What a ray meets on triangles, which have the normals of the surfaces.
 pub(super) fn on_mesh(hit: &EmbreeHit, ray: &Ray, meshes: &[GridMesh]) -> Sight {
     let vertex = hit.on(meshes);
+    let unit = ray.direction().length();
     Sight {
-        distance: hit.t * ray.direction().length(),
+        distance: hit.t * unit,
         point: ray.at(hit.t),
         normal: vertex.normal,
         facet: hit.geometric_normal.normalize_or(DVec3::NAN),
+        rounding: unit * (F32_ROUNDING * (hit.t - hit.start) + F64_ROUNDING * hit.t),
         residual: 0.0,
     }
 }
@@ -116,8 +129,11 @@ pub(super) fn degrees(a: DVec3, b: DVec3) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
     use nurbray::geometry::shapes;
     use nurbray::intersect::Query;
+    use nurbray::io::EmbreePrimitive;
+    use nurbray::io::mesh::TessellationPlan;
 
     use super::*;
 
@@ -138,6 +154,36 @@ mod tests {
         let nothing = View::new(&Answer::default(), &ray);
         assert_eq!(nothing, View::Known(None));
         assert_eq!(doubtful(&[views[0], known, nothing]), 1);
+    }
+
+    /// From far away, Embree's rays begin beside the scene: its rounding is that of a ray from
+    /// there. What is lost does not pass for rounding.
+    #[test]
+    fn rounding_does_not_grow_with_the_way_to_the_scene() {
+        let plane = shapes::plane(2.0, 2.0).unwrap();
+        let plan = TessellationPlan::to_distance(&[plane], 0.1).unwrap();
+        let meshes = plan.detailed_meshes().unwrap();
+        let rounding = |away: f64, length: f64| {
+            let ray = Ray::new(DVec3::new(0.1, 0.2, away), -length * DVec3::Z).unwrap();
+            let hit = EmbreeHit {
+                t: away / length,
+                start: (away - 3.0).max(0.0) / length,
+                mesh: 0,
+                kind: EmbreePrimitive::Grid,
+                primitive: 0,
+                place: DVec2::splat(0.25),
+                geometric_normal: DVec3::Z,
+            };
+            on_mesh(&hit, &ray, &meshes).rounding
+        };
+        let near = rounding(3.0, 1.0);
+        assert!(near > 1e-7 && near < 2e-6, "{near:e}");
+        for away in [3.0, 1e3, 1e6, 1e9] {
+            for length in [0.5, 1.0, 2.0] {
+                let far = rounding(away, length);
+                assert!((far - near).abs() < 1e-15 * away, "{away:e}, {length}: {far:e}");
+            }
+        }
     }
 
     #[test]

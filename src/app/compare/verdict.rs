@@ -15,9 +15,6 @@ use super::sight::{self, Sight, View};
 /// The further tenth allows for what the sampling that made the triangles overlooks.
 const SAME_PLACE: f64 = 2.2;
 
-/// Rounding of Embree's f32 distances, relative: its sums of a few products lose a few ulp.
-const F32_ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
-
 /// How far to the side, in tolerances, rays look for what the other side sees, and in how many
 /// directions. Triangles and surface are at most a tolerance apart, and so are their outlines.
 const ASIDE: [f64; 2] = [1.0, SAME_PLACE];
@@ -79,7 +76,7 @@ impl Judge<'_> {
 
     /// The largest distance from a tangent plane that counts as the same place.
     fn reach(self, theirs: &Sight) -> f64 {
-        SAME_PLACE * self.tolerance + F32_ROUNDING * theirs.distance
+        SAME_PLACE * self.tolerance + theirs.rounding
     }
 
     /// Whether a ray a little to the side sees on the surface what the triangles show.
@@ -154,6 +151,7 @@ mod tests {
                 point: ray.at(distance / ray.direction().length()),
                 normal: DVec3::Z,
                 facet: DVec3::Z,
+                rounding: 0.0,
                 residual: 0.0,
             };
             let judge = Judge { bvh: &self.bvh, tolerance: self.tolerance };
