@@ -100,16 +100,19 @@ pub fn povray_scene(
     flatness: f64,
 ) -> PovrayScene {
     let aspect = f64::from(width) / f64::from(height);
-    let frame = frame_of(world);
+    let bounds = world.bvh.bounds().map_or(Aabb::EMPTY, |(min, max)| Aabb { min, max });
+    let usual = ScaledFrame::around(&bounds);
+    let mut bodies = bodies(scene, world, flatness, &usual);
+    let all = world.surfaces.iter().zip(&bodies);
+    let shown = all.filter(|(_, body)| body.is_ok()).map(|(instance, _)| &instance.surface);
+    let frame = enlarged(usual, world, shown);
+    if frame.scale > usual.scale {
+        bodies = self::bodies(scene, world, flatness, &frame);
+    }
+
     let mut text = heading(&world.camera, aspect, &frame);
     let (mut written, mut skipped) = (Vec::new(), Vec::new());
-    for (index, instance) in world.surfaces.iter().enumerate() {
-        let body = match (&instance.surface, shape_of(scene, instance)) {
-            (Surface::Trimmed(_), _) => Err(PovrayGap::Trimmed),
-            (_, Some((shape, steps))) => primitives::primitive(shape, steps, &frame)
-                .map_or_else(|| patches::patches(&instance.surface, flatness, &frame), Ok),
-            (surface, None) => patches::patches(surface, flatness, &frame),
-        };
+    for (index, (instance, body)) in world.surfaces.iter().zip(bodies).enumerate() {
         match body {
             Ok(body) => {
                 // A line break would end the comment.
@@ -123,11 +126,29 @@ pub fn povray_scene(
     PovrayScene { text, written, skipped }
 }
 
-/// POV-Ray's coordinates of a world.
-fn frame_of(world: &World) -> ScaledFrame {
-    let bounds = world.bvh.bounds().map_or(Aabb::EMPTY, |(min, max)| Aabb { min, max });
-    let mut frame = ScaledFrame::around(&bounds);
-    let sizes = world.surfaces.iter().map(|instance| frame.scale * size(&instance.surface));
+/// The surfaces in a frame's coordinates. Whether one can be written does not depend on the frame.
+fn bodies(
+    scene: &Scene,
+    world: &World,
+    flatness: f64,
+    frame: &ScaledFrame,
+) -> Vec<Result<String, PovrayGap>> {
+    let body = |instance: &Instance| match (&instance.surface, shape_of(scene, instance)) {
+        (Surface::Trimmed(_), _) => Err(PovrayGap::Trimmed),
+        (_, Some((shape, steps))) => primitives::primitive(shape, steps, frame)
+            .map_or_else(|| patches::patches(&instance.surface, flatness, frame), Ok),
+        (surface, None) => patches::patches(surface, flatness, frame),
+    };
+    world.surfaces.iter().map(body).collect()
+}
+
+/// A frame of a world in which the smallest of the surfaces shown is large enough for POV-Ray.
+fn enlarged<'a>(
+    mut frame: ScaledFrame,
+    world: &World,
+    shown: impl Iterator<Item = &'a Surface>,
+) -> ScaledFrame {
+    let sizes = shown.map(|surface| frame.scale * size(surface));
     let wanted = LEAST / sizes.fold(f64::INFINITY, f64::min);
     let eye = frame.scaled(world.camera.view().look_from).length();
     let larger = wanted.min(FARTHEST / eye.max(1.0));

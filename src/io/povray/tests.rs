@@ -177,6 +177,18 @@ fn small_things_in_large_scenes_stay_large_enough() {
     assert!(far < near && far * 1e9 > 0.4 * FARTHEST && far * 1e9 <= FARTHEST, "{far}");
 }
 
+/// What is left out does not need to be seen.
+#[test]
+fn small_things_that_are_left_out_do_not_set_the_scale() {
+    let speck =
+        "[[object]]\nname = \"speck\"\nshape = { plane = { width = 1e-9, height = 1e-9 } }\n";
+    let trims = "trims = { loops = [{ circle = { center = [0.5, 0.5], radius = 0.2 } }] }\n";
+    let scale_line = |text: &str| written(text).text.lines().nth(1).unwrap().to_owned();
+    let plain = scale_line(PLANE);
+    assert_eq!(scale_line(&format!("{PLANE}{speck}{trims}")), plain);
+    assert_ne!(scale_line(&format!("{PLANE}{speck}")), plain);
+}
+
 #[test]
 fn what_cannot_be_said_is_named() {
     let square = |more: &str| net("1", &points(2, 2), more);
