@@ -260,14 +260,20 @@ fn tolerances_too_fine_for_any_mesh_are_wrong_use() {
     if without_embree() {
         return;
     }
-    let sandbox = Sandbox::with(&[("ball.toml", SPHERE)]);
-    for line in ["compare ball.toml -o out", "bench ball.toml"] {
-        let line = format!("{line} --against embree --tolerance 1e-30 --seconds 1e-6");
-        let run = sandbox.run(&line);
-        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{}", run.stderr);
-        assert!(run.stderr.contains("error: tolerance 1e-30: a "), "{}", run.stderr);
+    let disk = "[[object]]\nshape = { plane = { width = 2, height = 2 } }\n\
+                trims = { loops = [{ circle = { center = [0.5, 0.5], radius = 0.3 } }] }\n";
+    let sandbox = Sandbox::with(&[("ball.toml", SPHERE), ("disk.toml", disk)]);
+    for input in ["ball.toml", "disk.toml"] {
+        for line in [format!("compare {input} -o out"), format!("bench {input}")] {
+            let line = format!("{line} --against embree --tolerance 1e-30 --seconds 1e-6");
+            let run = sandbox.run(&line);
+            assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{}", run.stderr);
+            assert!(run.stderr.contains("error: tolerance 1e-30: a "), "{}", run.stderr);
+            // No other tolerance was given.
+            assert_eq!(run.stderr.matches("tolerance").count(), 1, "{}", run.stderr);
+        }
     }
-    assert_eq!(sandbox.files(), ["ball.toml"]);
+    assert_eq!(sandbox.files(), ["ball.toml", "disk.toml"]);
 }
 
 #[test]

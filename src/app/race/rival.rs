@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use glam::DVec3;
+use nurbray::geometry::trim::TrimError;
 use nurbray::intersect::{Coherence, Query};
 use nurbray::io::mesh::{MeshError, TessellationPlan};
 use nurbray::io::{Embree, EmbreeHit, EmbreePrimitive, EmbreeRays, EmbreeScene, PacketWidth};
@@ -112,8 +113,16 @@ fn fault(tolerance: f64, error: MeshError) -> Failure {
         MeshError::TooManyVertices { .. }
             | MeshError::GridSides { .. }
             | MeshError::Tolerance { .. }
+            | MeshError::Trims(TrimError::Tolerance { .. })
     );
-    let error = anyhow::Error::new(error).context(format!("tolerance {tolerance:e}"));
+    let error = match error {
+        // It names the tolerance in (u, v) that follows from the one given.
+        MeshError::Trims(TrimError::Tolerance { limit, .. }) => {
+            anyhow!("a surface's trim curves would need more than {limit} points")
+        }
+        error => error.into(),
+    };
+    let error = error.context(format!("tolerance {tolerance:e}"));
     if too_fine { Failure::Input(error) } else { Failure::Work(error) }
 }
 
