@@ -151,22 +151,20 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// Whether two paths, of files that need not exist, name one place.
+/// Whether two paths, of files that need not exist, name one place. Devices may take several
+/// outputs, whatever they are called.
 fn is_same_place(a: &Path, b: &Path) -> bool {
+    let is_device = |path: &Path| path.exists() && !path.is_file();
     let place = |path: &Path| -> Option<PathBuf> {
         let path = followed(path);
-        // Devices may take several outputs.
-        let is_device = path.exists() && !path.is_file();
-        if is_device {
-            return None;
-        }
         let folder = match path.parent() {
             Some(folder) if folder != Path::new("") => folder.canonicalize().ok()?,
             _ => Path::new(".").canonicalize().ok()?,
         };
         Some(folder.join(path.file_name()?))
     };
-    a == b || is_same_file(a, b) || place(a).is_some_and(|a| Some(a) == place(b))
+    let is_one = || a == b || is_same_file(a, b) || place(a).is_some_and(|a| Some(a) == place(b));
+    !is_device(a) && !is_device(b) && is_one()
 }
 
 /// Where a symbolic link leads, which may be to a file that does not exist; other paths as they are.
@@ -237,6 +235,13 @@ mod tests {
             std::os::unix::fs::symlink("b.npy", &link).unwrap();
             let twice = check(&[&link, &b], &[]).unwrap_err();
             assert!(twice.reason().to_string().ends_with("is given twice as output"));
+
+            let nowhere = folder.path().join("nowhere.npy");
+            std::os::unix::fs::symlink("/dev/null", &nowhere).unwrap();
+            let again = folder.path().join(".").join("nowhere.npy");
+            for other in [&nowhere, &again, Path::new("/dev/null")] {
+                assert!(check(&[&nowhere, other], &[]).is_ok(), "{}", other.display());
+            }
         }
     }
 }
