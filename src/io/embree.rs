@@ -24,7 +24,9 @@ use std::{env, ptr};
 use libloading::Library;
 
 use super::embree_error::{EmbreeError, OVERRIDE, first_usable};
-use super::embree_rays::{EmbreePrimitive, EmbreeRays, PacketWidth, Packets, geometry_id};
+use super::embree_rays::{
+    EmbreePart, EmbreePrimitive, EmbreeRays, PacketWidth, Packets, geometry_id,
+};
 use super::mesh::GridMesh;
 use crate::intersect::Coherence;
 use crate::math::{Aabb, Ray};
@@ -370,7 +372,7 @@ impl EmbreeScene {
         let vertex = |at: usize| self.frame.scaled(mesh.positions()[at]).as_vec3().to_array();
         if primitive == EmbreePrimitive::Triangle {
             let vertices = (0..mesh.positions().len()).map(vertex);
-            let id = geometry_id(number, primitive);
+            let id = geometry_id(number, EmbreePart::Triangle);
             let items = ((INDEX_BUFFER, UINT3), mesh.triangles());
             return self.attach(TRIANGLE_GEOMETRY, id, vertices, items);
         }
@@ -387,7 +389,7 @@ impl EmbreeScene {
                 let count = usize::from(columns) * usize::from(rows);
                 vertices.extend((first as usize..).take(count).map(vertex));
             }
-            let id = geometry_id(number, EmbreePrimitive::Grid);
+            let id = geometry_id(number, EmbreePart::Grid);
             let items = ((GRID_BUFFER, GRID), grids.into_iter());
             self.attach(GRID_GEOMETRY, id, vertices.into_iter(), items)?;
         }
@@ -403,7 +405,7 @@ impl EmbreeScene {
                 *number
             };
             let faces: Vec<_> = mesh.faces().iter().map(|face| face.map(&mut renumbered)).collect();
-            let id = geometry_id(number, EmbreePrimitive::Triangle);
+            let id = geometry_id(number, EmbreePart::Face);
             let items = ((INDEX_BUFFER, UINT3), faces.into_iter());
             self.attach(TRIANGLE_GEOMETRY, id, vertices.into_iter(), items)?;
         }

@@ -39,9 +39,9 @@ pub struct EmbreeHit {
     pub start: f64,
     /// Which mesh of the scene.
     pub mesh: u32,
-    /// Whether a grid was hit or a triangle: of a mesh given as grids, a face.
-    pub kind: EmbreePrimitive,
-    /// Which grid, or which triangle or face, of the mesh.
+    /// What of the mesh was hit.
+    pub part: EmbreePart,
+    /// Which one of these parts of the mesh.
     pub primitive: u32,
     /// On a grid: the place along the rows' and the columns' direction, each from 0 to 1.
     /// On a triangle: the barycentric coordinates of its second and third corner.
@@ -50,14 +50,32 @@ pub struct EmbreeHit {
     pub geometric_normal: DVec3,
 }
 
+/// What of a mesh a hit is on; each is counted by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EmbreePart {
+    /// One of its [`grids`](GridMesh::grids).
+    Grid,
+    /// One of its [`faces`](GridMesh::faces), beside the grids.
+    Face,
+    /// One of all its [`triangles`](GridMesh::triangles).
+    Triangle,
+}
+
 impl EmbreeHit {
-    /// The point that was hit, of the meshes that the scene was given as grids.
-    pub fn on(&self, meshes: &[GridMesh]) -> MeshPoint {
-        let (mesh, primitive) = (&meshes[self.mesh as usize], self.primitive as usize);
-        match self.kind {
-            EmbreePrimitive::Grid => mesh.at_grid(primitive, self.place),
-            EmbreePrimitive::Triangle => mesh.at_triangle(mesh.faces()[primitive], self.place),
-        }
+    /// The point that was hit, of the meshes that the scene was made of; `None` if others are
+    /// given that have no such part. Triangles are counted off, which takes as long as there are
+    /// triangles.
+    pub fn on(&self, meshes: &[GridMesh]) -> Option<MeshPoint> {
+        let (mesh, primitive) = (meshes.get(self.mesh as usize)?, self.primitive as usize);
+        let corners = match self.part {
+            EmbreePart::Grid => {
+                let exists = primitive < mesh.grids().len();
+                return exists.then(|| mesh.at_grid(primitive, self.place));
+            }
+            EmbreePart::Face => *mesh.faces().get(primitive)?,
+            EmbreePart::Triangle => mesh.triangles().nth(primitive)?,
+        };
+        Some(mesh.at_triangle(corners, self.place))
     }
 }
 
@@ -94,15 +112,18 @@ pub(super) struct RayHit<const N: usize> {
     limit: [f32; N],
 }
 
-/// The number of a mesh's geometry of this kind: each mesh may have one of each.
-pub(super) fn geometry_id(mesh: u32, kind: EmbreePrimitive) -> u32 {
-    2 * mesh + u32::from(kind == EmbreePrimitive::Triangle)
+/// All kinds of parts, in the order of their geometries.
+const PARTS: [EmbreePart; 3] = [EmbreePart::Grid, EmbreePart::Face, EmbreePart::Triangle];
+
+/// The number of the geometry of a mesh's parts of this kind: each mesh may have one of each.
+pub(super) fn geometry_id(mesh: u32, part: EmbreePart) -> u32 {
+    PARTS.len() as u32 * mesh + part as u32
 }
 
-/// The mesh and the kind that a geometry's number tells.
-fn of_geometry(id: u32) -> (u32, EmbreePrimitive) {
-    let kind = if id % 2 == 1 { EmbreePrimitive::Triangle } else { EmbreePrimitive::Grid };
-    (id / 2, kind)
+/// The mesh and the kind of its parts that a geometry's number tells.
+fn of_geometry(id: u32) -> (u32, EmbreePart) {
+    let count = PARTS.len() as u32;
+    (id / count, PARTS[(id % count) as usize])
 }
 
 /// `RTC_INVALID_GEOMETRY_ID`: nothing hit.
@@ -152,12 +173,12 @@ impl<const N: usize> RayHit<N> {
     fn hits(&self) -> impl Iterator<Item = Option<EmbreeHit>> {
         self.lanes().map(|lane| {
             (self.geometry[lane] != NOTHING).then(|| {
-                let (mesh, kind) = of_geometry(self.geometry[lane]);
+                let (mesh, part) = of_geometry(self.geometry[lane]);
                 EmbreeHit {
                     t: f64::from(self.t_far[lane]),
                     start: 0.0,
                     mesh,
-                    kind,
+                    part,
                     primitive: self.primitive[lane],
                     place: DVec2::new(f64::from(self.u[lane]), f64::from(self.v[lane])),
                     geometric_normal: Vec3::from_array(self.normal.map(|row| row[lane])).as_dvec3(),
@@ -208,7 +229,8 @@ impl FramedRay {
             origin += moved * direction;
         }
         let end = ray.t_max() / unit - moved;
-        // Embree takes no range that ends before the origin.
+        // Any range that ends before the origin is empty. Its end must not be −∞, as that of a far
+        // one would be in f32: that reads as an occlusion that was found.
         let end = if end < 0.0 { -1.0 } else { end };
         Self {
             origin: origin.as_vec3(),
@@ -325,6 +347,15 @@ mod tests {
         check_layout::<1>();
         check_layout::<8>();
         check_layout::<16>();
+    }
+
+    #[test]
+    fn geometries_tell_mesh_and_part() {
+        for mesh in [0, 1, 7, 1 << 28] {
+            for part in PARTS {
+                assert_eq!(of_geometry(geometry_id(mesh, part)), (mesh, part));
+            }
+        }
     }
 
     #[test]

@@ -71,7 +71,7 @@ pub use embree::{Embree, EmbreeScene};
 #[cfg(feature = "embree")]
 pub use embree_error::EmbreeError;
 #[cfg(feature = "embree")]
-pub use embree_rays::{EmbreeHit, EmbreePrimitive, EmbreeRays, PacketWidth};
+pub use embree_rays::{EmbreeHit, EmbreePart, EmbreePrimitive, EmbreeRays, PacketWidth};
 pub use exr::{ExrNotes, ExrPrecision, stage_exr, write_exr, write_exr_to};
 pub use geomdl::{Model, read_geomdl};
 pub use load::load_input;

@@ -49,12 +49,13 @@ fn check(scene: &EmbreeScene, mesh: &GridMesh, primitive: EmbreePrimitive, at: D
                 let expected = inside.cmpge(DVec2::ZERO).all() && inside.cmple(DVec2::ONE).all();
                 assert_eq!(hit.is_some(), expected, "{width:?} {primitive:?} {inside}");
                 let Some(hit) = hit else { continue };
+                let number = hit.primitive as usize;
                 let point = match primitive {
-                    EmbreePrimitive::Grid => mesh.at_grid(hit.primitive as usize, hit.place),
-                    EmbreePrimitive::Triangle => {
-                        mesh.at_triangle(triangles[hit.primitive as usize], hit.place)
-                    }
+                    EmbreePrimitive::Grid => mesh.at_grid(number, hit.place),
+                    EmbreePrimitive::Triangle => mesh.at_triangle(triangles[number], hit.place),
                 };
+                let meshes = vec![mesh.clone(); hit.mesh as usize + 1];
+                assert_eq!(hit.on(&meshes), Some(point), "{width:?} {primitive:?} {inside}");
                 // Coordinates of size 5 in f32, a few operations each.
                 let error = (point.position - ray.at(hit.t)).length();
                 assert!(error < 4e-6, "{width:?} {primitive:?} {inside}: {error:e}");

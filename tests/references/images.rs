@@ -40,7 +40,9 @@ pub(crate) fn meshed(embree: &Embree, tessellation: &Tessellation, rays: &[Ray])
     let scene = embree.scene(meshes, EmbreePrimitive::Grid).unwrap();
     let mut batch = scene.rays(rays, PacketWidth::Sixteen, Coherence::Coherent);
     scene.intersect(&mut batch);
-    let seen =
-        |hit: EmbreeHit| Seen { depth: hit.t, normal: hit.on(meshes).normal, surface: hit.mesh };
+    let seen = |hit: EmbreeHit| {
+        let normal = hit.on(meshes).unwrap().normal;
+        Seen { depth: hit.t, normal, surface: hit.mesh }
+    };
     batch.hits().into_iter().map(|hit| hit.map(seen)).collect()
 }

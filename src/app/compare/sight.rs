@@ -103,7 +103,7 @@ pub(super) fn on_mesh(hit: &EmbreeHit, ray: &Ray, meshes: &[GridMesh]) -> Sight 
     Sight {
         distance: hit.t * unit,
         point: ray.at(hit.t),
-        normal: vertex.normal,
+        normal: vertex.map_or(DVec3::NAN, |vertex| vertex.normal),
         facet: hit.geometric_normal.normalize_or(DVec3::NAN),
         rounding: unit * (F32_ROUNDING * (hit.t - hit.start) + F64_ROUNDING * hit.t),
         residual: 0.0,
@@ -132,7 +132,7 @@ mod tests {
     use glam::DVec2;
     use nurbray::geometry::shapes;
     use nurbray::intersect::Query;
-    use nurbray::io::EmbreePrimitive;
+    use nurbray::io::EmbreePart;
     use nurbray::io::mesh::TessellationPlan;
 
     use super::*;
@@ -169,7 +169,7 @@ mod tests {
                 t: away / length,
                 start: (away - 3.0).max(0.0) / length,
                 mesh: 0,
-                kind: EmbreePrimitive::Grid,
+                part: EmbreePart::Grid,
                 primitive: 0,
                 place: DVec2::splat(0.25),
                 geometric_normal: DVec3::Z,
