@@ -8,10 +8,12 @@ use thiserror::Error;
 
 use super::chart::Sealed;
 use super::construct::ControlNet;
+use super::trim::UvBox;
 use super::{
-    Chart, Charts, LimitError, LimitSurface, NurbsSurface, SurfaceDerivatives, SurfaceError,
-    TriangleError, TrianglePatch, TrimmedSurface,
+    Chart, Charts, Direction, LimitError, LimitSurface, NurbsSurface, SurfaceDerivatives,
+    SurfaceError, TriangleError, TrianglePatch, TrimmedSurface,
 };
+use crate::math::Aabb;
 
 /// A surface of any kind that can be traced.
 #[derive(Clone, Debug, PartialEq)]
@@ -122,6 +124,12 @@ impl Surface {
             Self::Triangle(patch) => patch.into(),
             Self::Limit(surface) => surface.cage_net().clone(),
         }
+    }
+
+    /// A box that holds what is kept of the surface, except for rounding: the control points of the
+    /// part within the outermost loops of its trims.
+    pub fn extent(&self) -> Aabb {
+        self.charts().iter().map(extent_of).fold(Aabb::EMPTY, Aabb::union)
     }
 
     /// The degrees in u and in v.
@@ -257,5 +265,41 @@ impl Surface {
                 surface.transformed(map).map(Self::from).map_err(MoveError::Limit)
             }
         }
+    }
+}
+
+/// A box that holds what is kept of a chart.
+fn extent_of(chart: &Chart<'_>) -> Aabb {
+    let Some(trims) = &chart.trims else { return Aabb::around(chart.surface.points()) };
+    let UvBox { min, max } = trims.bounds();
+    if !min.cmplt(max).all() {
+        return Aabb::around([min, max].map(|uv| chart.surface.point_at(uv.x, uv.y)));
+    }
+    let part = chart.surface.restricted(Direction::U, (min.x, max.x));
+    Aabb::around(part.restricted(Direction::V, (min.y, max.y)).points())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes;
+    use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
+
+    #[test]
+    fn extents_hold_what_is_kept_and_little_more() {
+        let cut = |kept: Kept, radius: f64| {
+            let plane = shapes::plane(2.0, 1.0).unwrap();
+            let domain = TrimDomain::with_seams_of(&plane).unwrap();
+            let circle = TrimLoop::circle(DVec2::splat(0.5), radius).unwrap();
+            let trims = Trims::new(domain, kept, &[circle]).unwrap();
+            Surface::from(TrimmedSurface::new(plane, trims).unwrap()).extent().size()
+        };
+        for radius in [1e-12, 1e-7, 0.25] {
+            let off = cut(Kept::Odd, radius) - 2.0 * radius * DVec3::new(2.0, 1.0, 0.0);
+            assert!(off.abs().max_element() < 1e-15, "{radius:e}: {off}");
+        }
+        assert_eq!(cut(Kept::Even, 0.25), DVec3::new(2.0, 1.0, 0.0));
+        let whole = Surface::from(shapes::plane(2.0, 1.0).unwrap());
+        assert_eq!(whole.extent().size(), DVec3::new(2.0, 1.0, 0.0));
     }
 }

@@ -18,10 +18,10 @@ mod primitives;
 
 use std::fmt;
 
-use glam::{DVec2, DVec3, Vec4Swizzles};
+use glam::{DVec2, DVec3};
 use thiserror::Error;
 
-use crate::geometry::{Charts, Surface};
+use crate::geometry::Surface;
 use crate::math::{Aabb, rounding};
 use crate::patch::ScaledFrame;
 use crate::scene::{Camera, Instance, Projection, Scene, Shape, Transform, World, Written};
@@ -148,7 +148,7 @@ fn enlarged<'a>(
     world: &World,
     shown: impl Iterator<Item = &'a Surface>,
 ) -> ScaledFrame {
-    let sizes = shown.map(|surface| frame.scale * size(surface));
+    let sizes = shown.map(|surface| frame.scale * surface.extent().size().max_element());
     let wanted = LEAST / sizes.fold(f64::INFINITY, f64::min);
     let eye = frame.scaled(world.camera.view().look_from).length();
     let larger = wanted.min(FARTHEST / eye.max(1.0));
@@ -156,13 +156,6 @@ fn enlarged<'a>(
         frame.scale *= rounding::power_of_two_below(larger);
     }
     frame
-}
-
-/// The longest side of the box around a surface's control points.
-fn size(surface: &Surface) -> f64 {
-    let charts = surface.charts();
-    let points = charts.iter().flat_map(|chart| chart.surface.control());
-    Aabb::around(points.map(|point| point.xyz() / point.w)).size().max_element()
 }
 
 /// The shape that a surface was made of, and the transforms that moved it to its place. (Some

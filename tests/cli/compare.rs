@@ -168,7 +168,16 @@ fn reports_tell_what_a_reader_should_know_of_the_model() {
     }
     let cube = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
                 f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-    let files = [("small.toml", SMALL_ON_LARGE), ("cube.obj", cube), ("ball.toml", SPHERE)];
+    let part = format!(
+        "{SPHERE}[[object]]\nshape = {{ plane = {{ width = 2, height = 1 }} }}\n\
+         trims = {{ loops = [{{ circle = {{ center = [0.5, 0.5], radius = 1e-7 }} }}] }}\n"
+    );
+    let files = [
+        ("small.toml", SMALL_ON_LARGE),
+        ("cube.obj", cube),
+        ("ball.toml", SPHERE),
+        ("part.toml", &part),
+    ];
     let sandbox = Sandbox::with(&files);
     let told = |input: &str| -> Vec<String> {
         let options = format!("--against embree --tolerance 1e-2,1e-6 {QUICK} -o {input}.out");
@@ -182,6 +191,9 @@ fn reports_tell_what_a_reader_should_know_of_the_model() {
         small.len() == 1 && small[0].starts_with("- At 1e-2, 1 surface is smaller"),
         "{small:?}"
     );
+    // Of a surface, what its trims keep.
+    let part = told("part.toml");
+    assert!(part.len() == 2 && part[1].starts_with("- At 1e-6, 1 surface is smaller"), "{part:?}");
     let cube = told("cube.obj");
     assert!(cube.len() == 1 && cube[0].starts_with("- 1 surface is only near what"), "{cube:?}");
     assert!(told("ball.toml").is_empty());

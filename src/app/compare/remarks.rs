@@ -1,7 +1,5 @@
 //! What a reader should know of a model before the figures on its triangles.
 
-use nurbray::math::Aabb;
-
 use super::super::race::Model;
 use super::super::table::count;
 
@@ -20,11 +18,8 @@ pub(super) fn remarks(model: &Model, tolerances: impl Iterator<Item = f64>) -> S
             are(off.len())
         );
     }
-    let size = |instance: &nurbray::scene::Instance| {
-        Aabb::around(instance.surface.control_net().points).size().length()
-    };
-    let sizes: Vec<f64> =
-        instances.iter().map(|instance| size(instance) / model.diagonal).collect();
+    let sizes = instances.iter().map(|instance| instance.surface.extent().size().length());
+    let sizes: Vec<f64> = sizes.map(|size| size / model.diagonal).collect();
     for tolerance in tolerances {
         let small = sizes.iter().filter(|&&size| size < tolerance).count();
         if small > 0 {
