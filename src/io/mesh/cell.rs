@@ -8,7 +8,7 @@
 use std::cmp::Ordering;
 use std::collections::HashMap;
 
-use glam::{DVec2, I64Vec2};
+use glam::{DVec2, I64Vec2, Vec2Swizzles};
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 use crate::geometry::trim::UvBox;
@@ -16,8 +16,8 @@ use crate::geometry::trim::UvBox;
 /// The steps of the grid along each side of the cell.
 const STEPS: i64 = 1 << 30;
 
-/// The most times that all chords are broken. Two or three are usual.
-const MOST_ROUNDS: usize = 16;
+/// The most times that all chords are broken. Two or three are usual, and 13 the most that was seen.
+const MOST_ROUNDS: usize = 64;
 
 /// Where there are [`MANY`] chords, the cell has a point inside for so many of them, if there is
 /// room: or thousands of triangles would reach from one curve to the corners, each in the box of all
@@ -35,8 +35,11 @@ pub(super) struct Region {
 /// Divides a cell along chords within it.
 pub(super) fn regions(cell: &UvBox, chords: &[[DVec2; 2]]) -> Vec<Region> {
     let mut grid = Grid { cell: *cell, known: HashMap::new() };
-    let chords = chords.iter().map(|ends| ends.map(|uv| grid.put(uv)));
-    let chords = untangled(chords.filter(|ends| ends[0] != ends[1]).collect());
+    let mut chords: Vec<Chord> = chords.iter().map(|ends| ends.map(|uv| grid.put(uv))).collect();
+    // A chord of no length is a point on a side, which the cell beside it has, too.
+    let points: Vec<I64Vec2> = chords.as_flattened().to_vec();
+    chords.retain(|ends| ends[0] != ends[1]);
+    let chords = untangled(chords, &points);
 
     let mut triangles = Triangles::new();
     let corners = [[0, 0], [STEPS, 0], [STEPS, STEPS], [0, STEPS]].map(I64Vec2::from_array);
@@ -44,7 +47,7 @@ pub(super) fn regions(cell: &UvBox, chords: &[[DVec2; 2]]) -> Vec<Region> {
     let inner = if chords.len() < MANY { 0 } else { chords.len() / CHORDS_A_POINT };
     let inner = points_inside(ends, inner);
     // Insertion fails only for points that are no numbers or beyond all bounds.
-    for place in corners.iter().chain(&inner) {
+    for place in corners.iter().chain(&points).chain(&inner) {
         let _ = triangles.insert(Corner(*place));
     }
     let mut are_exact = true;
@@ -142,7 +145,7 @@ impl Grid {
     }
 }
 
-/// About so many points, evenly in the cell, but none near one of `others`.
+/// About so many points, evenly in the cell, but none near one of `others`, the ends of chords.
 fn points_inside(others: &[I64Vec2], count: usize) -> Vec<I64Vec2> {
     let side = count.isqrt() as i64;
     if side == 0 {
@@ -158,27 +161,41 @@ fn points_inside(others: &[I64Vec2], count: usize) -> Vec<I64Vec2> {
     places.zip(is_free).filter_map(|(place, is_free)| is_free.then_some(place)).collect()
 }
 
-/// The ends of a straight line, the one with the smaller first coordinate first.
+/// The ends of a straight line.
 type Chord = [I64Vec2; 2];
 
-/// Chords broken so that they meet only in their ends, each moved by no more than a few steps of the
-/// grid.
-fn untangled(mut chords: Vec<Chord>) -> Vec<Chord> {
+/// Chords broken so that they meet only in their ends and at none of `points`, each moved by no more
+/// than a few steps of the grid. (If they were not done after [`MOST_ROUNDS`], triangles would be
+/// judged one by one.)
+fn untangled(mut chords: Vec<Chord>, points: &[I64Vec2]) -> Vec<Chord> {
+    let mut points = points.to_vec();
+    // What follows looks for neighbours along the first coordinate: the one in which chords are
+    // shorter.
+    let extent = chords.iter().fold(I64Vec2::ZERO, |sum, [from, to]| sum + (*to - *from).abs());
+    let is_turned = extent.x > extent.y;
+    if is_turned {
+        points.iter_mut().chain(chords.as_flattened_mut()).for_each(|place| *place = place.yx());
+    }
     for _ in 0..MOST_ROUNDS {
         for ends in &mut chords {
             ends.sort_unstable_by(in_order);
         }
         chords.sort_unstable_by(|a, b| in_order(&a[0], &b[0]).then(in_order(&a[1], &b[1])));
         chords.dedup();
-        let mut points = crossings(&chords);
-        points.extend_from_slice(chords.as_flattened());
+        let crossings = crossings(&chords);
+        points.extend(crossings.iter().flatten().chain(chords.as_flattened()));
         points.sort_unstable_by(in_order);
         points.dedup();
-        let broken: Vec<Chord> = chords.iter().flat_map(|chord| broken(*chord, &points)).collect();
+        let chords_and_crossings = chords.iter().zip(crossings);
+        let broken: Vec<Chord> =
+            chords_and_crossings.flat_map(|(chord, own)| broken(*chord, &points, own)).collect();
         if broken.len() == chords.len() {
             break;
         }
         chords = broken;
+    }
+    if is_turned {
+        chords.as_flattened_mut().iter_mut().for_each(|place| *place = place.yx());
     }
     chords
 }
@@ -187,17 +204,24 @@ fn in_order(a: &I64Vec2, b: &I64Vec2) -> Ordering {
     (a.x, a.y).cmp(&(b.x, b.y))
 }
 
-/// The points of the grid next to those where chords cross that are in order.
-fn crossings(chords: &[Chord]) -> Vec<I64Vec2> {
-    let mut points = Vec::new();
+/// For each of some chords, which are in order, the points of the grid next to where others cross
+/// it.
+fn crossings(chords: &[Chord]) -> Vec<Vec<I64Vec2>> {
+    let mut points = vec![Vec::new(); chords.len()];
     for (k, a) in chords.iter().enumerate() {
-        let next = chords[k + 1..].iter().take_while(|b| b[0].x <= a[1].x);
-        points.extend(next.filter_map(|b| crossing(a, b)));
+        let next = (k + 1..chords.len()).take_while(|&l| chords[l][0].x <= a[1].x);
+        for l in next {
+            if let Some(point) = crossing(a, &chords[l]) {
+                points[k].push(point);
+                points[l].push(point);
+            }
+        }
     }
     points
 }
 
-/// The point of the grid next to that where two chords cross, ends not included.
+/// The point of the grid next to that where two chords cross, ends not included. It is never on a
+/// side of the cell, where the cell beside it would lack it.
 fn crossing(a: &Chord, b: &Chord) -> Option<I64Vec2> {
     let [low, high] = [a, b]
         .map(|[from, to]| [from.y.min(to.y), from.y.max(to.y)])
@@ -212,7 +236,8 @@ fn crossing(a: &Chord, b: &Chord) -> Option<I64Vec2> {
         return None;
     }
     let share = of_a[0] as f64 / (of_a[0] - of_a[1]) as f64;
-    Some((a[0].as_dvec2() + share * (a[1] - a[0]).as_dvec2()).round().as_i64vec2())
+    let point = (a[0].as_dvec2() + share * (a[1] - a[0]).as_dvec2()).round().as_i64vec2();
+    Some(point.clamp(I64Vec2::ONE, I64Vec2::splat(STEPS - 1)))
 }
 
 /// Twice the area of the triangle of a chord and a point: positive on its left.
@@ -222,22 +247,28 @@ fn side_of([from, to]: &Chord, point: I64Vec2) -> i128 {
     along[0] * to_point[1] - along[1] * to_point[0]
 }
 
-/// A chord broken at those of the points, which are in order, that it passes within a step.
-fn broken(chord @ [from, to]: Chord, points: &[I64Vec2]) -> Vec<Chord> {
+/// A chord broken at its `own` points, and at those of all points, which are in order, that it
+/// passes within half a step in both coordinates.
+fn broken(chord @ [from, to]: Chord, points: &[I64Vec2], own: Vec<I64Vec2>) -> Vec<Chord> {
     let along = |point: I64Vec2| (point - from).as_dvec2().dot((to - from).as_dvec2());
-    let length = along(to);
-    let first = points.partition_point(|point| point.x < from.x - 1);
-    let near = points[first..].iter().take_while(|point| point.x <= to.x + 1);
-    let (low, high) = (from.y.min(to.y) - 1, from.y.max(to.y) + 1);
-    let mut passed: Vec<(f64, I64Vec2)> = near
-        .filter(|point| (low..=high).contains(&point.y) && **point != from && **point != to)
-        .filter(|point| (side_of(&chord, **point) as f64).powi(2) <= length)
+    let (length, size) = (along(to), (to - from).abs());
+    let first = points.partition_point(|point| point.x < from.x);
+    let near = points[first..].iter().take_while(|point| point.x <= to.x);
+    let (low, high) = (from.y.min(to.y), from.y.max(to.y));
+    let is_passed = |point: &&I64Vec2| {
+        (low..=high).contains(&point.y)
+            && 2 * side_of(&chord, **point).abs() < i128::from(size.x + size.y)
+    };
+    let mut places: Vec<(f64, I64Vec2)> = near
+        .filter(is_passed)
+        .chain(&own)
         .map(|point| (along(*point), *point))
-        .filter(|(at, _)| *at > 0.0 && *at < length)
+        .filter(|(at, point)| *at > 0.0 && *at < length && *point != from && *point != to)
         .collect();
-    passed.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-    let places: Vec<I64Vec2> =
-        [from].into_iter().chain(passed.into_iter().map(|(_, point)| point)).chain([to]).collect();
+    places.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let inner = places.into_iter().map(|(_, point)| point);
+    let mut places: Vec<I64Vec2> = [from].into_iter().chain(inner).chain([to]).collect();
+    places.dedup();
     places.windows(2).map(|ends| [ends[0], ends[1]]).collect()
 }
 
@@ -245,6 +276,27 @@ fn broken(chord @ [from, to]: Chord, points: &[I64Vec2]) -> Vec<Chord> {
 mod tests {
     use super::*;
     use crate::math::SplitMix;
+
+    /// Chords between places a few steps of the grid apart, where breaking one may make others cross.
+    #[test]
+    fn chords_meet_only_in_their_ends_at_last() {
+        let mut random = SplitMix::new(9);
+        let mut wanted = vec![[[0, 0], [1, 1]], [[1, 0], [5, 0]], [[0, 1], [0, 5]]];
+        for _ in 0..3000 {
+            let chords = wanted.iter().map(|ends| ends.map(I64Vec2::from));
+            let chords = chords.filter(|[from, to]| from != to).collect();
+            let chords = untangled(chords, &[]);
+            for (k, a) in chords.iter().enumerate() {
+                for b in &chords[k + 1..] {
+                    assert_eq!(crossing(a, b), None, "{a:?} and {b:?}, of {wanted:?}");
+                }
+            }
+            let size = 4.0 + 36.0 * random.unit();
+            let mut place = || [random.unit(), random.unit()].map(|x| (size * x) as i64 + 1);
+            let [count, _] = place();
+            wanted = (0..2 + count.min(22)).map(|_| [place(), place()]).collect();
+        }
+    }
 
     /// Chords from everywhere to everywhere, with ends on chords, and the same ones again.
     #[test]

@@ -401,6 +401,11 @@ mod tests {
                 ],
                 2.0,
             ),
+            // With a corner on the side of a cell.
+            (
+                vec![TrimLoop::polygon(&[at(0.1, 0.1), at(0.5, 0.5), at(0.1, 0.9)]).unwrap()],
+                4.0 - 4.0 * 0.16,
+            ),
             // Overlapping by rounding, or next to nothing; off the side of a cell by as much.
             (
                 vec![

@@ -267,6 +267,7 @@ fn kept_by_trims<S: Simd>(
     reach: f64x8<S>,
 ) -> [mask64x8<S>; 2] {
     let window = target.view.windows.of(target.index);
+    // The same eight twice; the bits of the second half mean nothing.
     let narrow = |lanes: f64x8<S>| simd.narrow_f64x8(lanes, lanes);
     let at = |k: usize| {
         let (middle, per_half) = (closer.middle[k], closer.per_half[k]);

@@ -1,5 +1,5 @@
 //! Proofs from the search in f32 about a leaf's one root, before anything is done in f64: that it
-//! is not there, or that it surely is.
+//! is not there, or cut off by trims, or that it surely is there and kept.
 //!
 //! Most rays that meet the box of a leaf beside the one they hit have a root just outside of that
 //! leaf; and for a ray that asks for any hit, it only matters that there is one.
@@ -67,9 +67,9 @@ const SHORTEST: f32 = 1e-12;
 /// What is proved of sixteen rays, a bit each.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Screened {
-    /// The rays that miss the leaf.
+    /// The rays that miss the leaf, or what trims keep of it.
     pub missed: u32,
-    /// The rays that meet the leaf, and ask no more.
+    /// The rays that meet what is kept of the leaf, and ask no more.
     pub met: u32,
 }
 
@@ -131,10 +131,10 @@ impl<S: Simd> Screen<'_, S> {
         let mut met = lane_bits(known & within);
         if leaf.is_trimmed() {
             let turned = bend.mul_add(reach + reach, per_move);
-            let fixed = (by_inverse * turned).simd_le(splat(simd, 0.25));
+            let steady = (by_inverse * turned).simd_le(splat(simd, 0.25));
             let [kept, decided] = self.kept(simd, to, radius, by_inverse);
-            missed |= lane_bits(known & in_domain & fixed) & decided & !kept;
-            met &= lane_bits(fixed) & decided & kept;
+            missed |= lane_bits(known & in_domain & steady) & decided & !kept;
+            met &= lane_bits(steady) & decided & kept;
         }
         let outside =
             [from[0].abs().simd_gt(splat(simd, LEAF)), from[1].abs().simd_gt(splat(simd, LEAF))];
