@@ -115,8 +115,9 @@ triangles to stay within tolerance x diagonal, and as often as its neighbours in
 the same row or column, so that no gaps open inside a surface. Of trimmed
 surfaces, whole cells become grids as large as possible, and cells that trims cut
 RTC_GEOMETRY_TYPE_TRIANGLE, a Delaunay triangulation with chords that are equally
-near to the trim curves, and points inside where these are many. nurbray evaluates the vertices, their
-positions only, on one thread; Embree copies them and builds its hierarchy.
+near to the trim curves, and points inside where these are many. nurbray
+evaluates the vertices, their positions only, on one thread; Embree copies them
+and builds its hierarchy.
 rtcIntersect1 (rtcOccluded1) for single rays; else the fastest of 1, 8 and 16.
 Triangles and rays are moved to the middle of the bounding box and scaled by a
 power of two to a size between 1 and 2, which suits Embree's constants best; rays
