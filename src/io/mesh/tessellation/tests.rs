@@ -1,3 +1,5 @@
+//! Triangles of surfaces, with and without trims.
+
 use std::collections::HashMap;
 
 use glam::DVec2;
