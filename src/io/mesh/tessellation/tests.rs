@@ -243,9 +243,9 @@ fn narrow_cells_do_not_decide_for_others() {
         .collect();
     let sheet = NurbsSurface::new(knots, across, points, None).unwrap();
     let hole = [(0.1, 0.1), (0.4999, 0.1), (0.5008, 0.5), (0.4999, 0.9), (0.1, 0.9)];
-    let hole = TrimLoop::polygon(&hole.map(|(u, v)| DVec2::new(u, v))).unwrap();
+    let hole = [TrimLoop::polygon(&hole.map(|(u, v)| DVec2::new(u, v))).unwrap()];
     for fraction in [1e-2, 1e-3, 1e-4] {
-        let made = Tessellation::to_tolerance(&[holed(sheet.clone(), &[hole.clone()])], fraction);
+        let made = Tessellation::to_tolerance(&[holed(sheet.clone(), &hole)], fraction);
         let off = (area(&made.unwrap()) - (1.0 - 0.8 * 0.40035)).abs();
         assert!(off < fraction * 1.5, "{fraction}: {off}");
     }
