@@ -38,7 +38,8 @@ pub(super) fn screen<S: Simd>(
     Searched { middle, near }: Searched<'_, S>,
     Asked { lanes, error }: Asked<S>,
 ) -> Screened {
-    // Rays that hit the leaf, as most do, are not worth screening if more is wanted of them.
+    // Rays that hit the leaf, as most do, are not worth screening if more is wanted of them; beside
+    // others, those that trims cut off are told, too.
     let [x, y] = near.last.to;
     let farthest = x.abs().max(y.abs());
     let outside = lanes & !lane_bits(farthest.simd_le(splat(simd, INSIDE)));
@@ -76,7 +77,7 @@ mod tests {
     use crate::intersect::wide::packet::load::{find_planes, load};
     use crate::intersect::wide::proof::certified::certify;
     use crate::intersect::wide::reach::WIDENED;
-    use crate::intersect::wide::search::distances::LaneDistances;
+    use crate::intersect::wide::search::distances::{LaneDistances, step_from_middle};
     use crate::intersect::wide::wanted::Wanted;
     use crate::intersect::wide::weighted_hills;
     use crate::intersect::{Hit, Query, SurfaceBvh};
@@ -101,13 +102,19 @@ mod tests {
             let magnitude = f32x16::splat(simd, 1e2);
             let certified = certify(simd, target.leaf, crossing.slopes, magnitude, factor);
             let certified = lane_bits(crossing.met & certified);
-            let mut distances = LaneDistances::default();
-            distances.take(simd, target.fitted(), packet.sixteen(0));
             let widened = f32x16::splat(simd, WIDENED as f32);
-            let start = [crossing.x, crossing.y];
-            let near = distances.newton(simd, start, [[-widened, widened]; 2]);
+            let (middle, near) = if target.leaf.is_flat() {
+                let near = step_from_middle(simd, target.fitted(), packet.sixteen(0), widened);
+                (near.last.distances, near)
+            } else {
+                let mut distances = LaneDistances::default();
+                distances.take(simd, target.fitted(), packet.sixteen(0));
+                let start = [crossing.x, crossing.y];
+                let near = distances.newton(simd, start, [[-widened, widened]; 2]);
+                (distances.in_middle(simd), near)
+            };
             let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
-            let searched = Searched { middle: distances.in_middle(simd), near: &near };
+            let searched = Searched { middle, near: &near };
             let asked = Asked { lanes: certified, error };
             (screen(simd, &target, &packet, &crossing, searched, asked), certified)
         })
@@ -140,8 +147,10 @@ mod tests {
     /// certificate holds.
     #[test]
     fn what_is_said_of_a_leaf_is_so() {
-        let bodies = [shapes::sphere(1.0), shapes::torus(1.0, 0.4), Ok(weighted_hills())]
-            .map(Result::unwrap);
+        // The last is flat.
+        let [round, tube, plane] =
+            [shapes::sphere(1.0), shapes::torus(1.0, 0.4), shapes::plane(2.0, 1.5)];
+        let bodies = [round, tube, Ok(weighted_hills()), plane].map(Result::unwrap);
         let trimmed = bodies.clone().map(|body| with_holes(&body));
         let plain = bodies.map(|body| SurfaceBvh::build(&[body]).unwrap());
         let bodies: Vec<SurfaceBvh> = plain.into_iter().chain(trimmed).collect();
