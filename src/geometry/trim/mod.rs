@@ -54,6 +54,7 @@ mod trim_loop;
 mod trims;
 mod uv_box;
 mod window;
+mod window_curve;
 
 pub use crossings::OVERLAP_TOLERANCE;
 pub(crate) use crossings::tolerated_overlap;
@@ -65,7 +66,8 @@ pub(crate) use stretches::EdgePiece;
 pub use trim_loop::{SEAM_TOLERANCE, TrimLoop};
 pub use trims::{Coverage, Kept, MAX_TRIM_SEGMENTS, Side, Trims};
 pub use uv_box::UvBox;
-pub(crate) use window::{WINDOW_REACH, WINDOW_SPARE, WindowCurve, is_kept};
+pub(crate) use window::{WINDOW_REACH, WINDOW_SPARE, is_kept};
+pub(crate) use window_curve::WindowCurve;
 
 /// Ends of curves this close, relative to the loop's extent in u and in v, count as one point.
 ///

@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
 use super::UvBox;
+use super::window_curve::Stretch;
 use crate::geometry::Direction;
 use crate::math::bernstein::{self, binomial};
 use crate::math::rounding::UNIT_ROUNDOFF;
@@ -318,16 +319,20 @@ impl Segment {
         before.0
     }
 
-    /// The control points of a stretch of it, which begins and ends at [`Self::at`].
-    pub(super) fn control_points(&self, [from, to]: [f64; 2]) -> impl Iterator<Item = DVec2> {
+    /// A stretch of it, which begins and ends at [`Self::at`], in the coordinates of a window with
+    /// this center and these half side lengths.
+    pub(super) fn seen(&self, [from, to]: [f64; 2], center: DVec2, half: DVec2) -> Stretch {
         let mut control = self.homogeneous();
         bernstein::restrict(&mut control, from, to);
+        for c in &mut control {
+            *c = ((c.xy() - c.z * center) / half).extend(c.z);
+        }
+        let ends = [from, to].map(|t| (self.at(t) - center) / half);
         let last = control.len() - 1;
-        control.into_iter().enumerate().map(move |(k, c)| match k {
-            0 => self.at(from),
-            _ if k == last => self.at(to),
-            _ => c.xy() / c.z,
-        })
+        for (k, end) in [(0, ends[0]), (last, ends[1])] {
+            control[k] = (control[k].z * end).extend(control[k].z);
+        }
+        Stretch { ends, control }
     }
 
     /// The direction of the tangent at `t`: that between the last two points of de Casteljau's

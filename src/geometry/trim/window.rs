@@ -13,8 +13,9 @@
 //!
 //! - A stretch rises in v from one end to the other, so the ray crosses it if its level is between
 //!   the ends and the point is on the left. The stretch lies in the rectangle of its ends, and in
-//!   the band of its control points along its chord. A point that lies outside of either by more
-//!   than it may be off is on the same side as it seems to be; else nothing is decided.
+//!   a [band](super::window_curve) along its chord. A point that lies outside of either by more than
+//!   it may be off is on the same side as it seems to be; else nothing is decided. Stretches that
+//!   join inside the window, and go on in the same direction, count as one: a *chain*.
 //! - The ray crosses the parts outside as often, up to an even number, as that from any other point
 //!   of the same level in the window, because moving the point does not cross them. With the level,
 //!   that number changes only where such a part ends, right of the window: at the end of a stretch.
@@ -29,6 +30,7 @@
 
 use glam::DVec2;
 
+use super::window_curve::{Stretch, WindowCurve};
 use super::{Side, Trims, UvBox};
 
 /// The window reaches a little beyond the square from −1 to 1.
@@ -46,62 +48,12 @@ const _: () = assert!(SPARE_OF_F64 + CUT_OFF_AT * (0.5 * f32::EPSILON as f64) < 
 /// With more curves than this, descending the hierarchy of all curves takes less time.
 const MOST_CURVES: usize = 24;
 
-/// Something that rays through a window may cross: a stretch of a trim curve, or what stands for
-/// curves outside.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct WindowCurve {
-    /// A vector across the chord, towards smaller u; the sum of its absolute values is 1.
-    pub(crate) across: [f32; 2],
-    /// The stretch lies where the product of `across` and a point is between these.
-    pub(crate) band: [f32; 2],
-    /// The smallest and the largest u.
-    pub(crate) x: [f32; 2],
-    /// The smallest and the largest v.
-    pub(crate) y: [f32; 2],
-}
+/// The most stretches that are looked at to make so many curves of them.
+const MOST_STRETCHES: usize = 16 * MOST_CURVES;
 
-impl WindowCurve {
-    /// What all rays from points below a level cross.
-    fn exit(level: f64) -> Self {
-        const FAR: f32 = 4.0;
-        Self { across: [0.0; 2], band: [0.0; 2], x: [FAR; 2], y: [-FAR, level as f32] }
-    }
-
-    /// A stretch of a curve with these control points, the first and the last in order of v.
-    fn stretch(points: &[DVec2]) -> Self {
-        let [from, to] = [points[0], points[points.len() - 1]];
-        let across = (to - from).perp();
-        let across = (across / across.abs().element_sum()).as_vec2();
-        let offsets = points.iter().map(|point| across.as_dvec2().dot(*point));
-        let [low, high] = offsets
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-        Self {
-            across: across.to_array(),
-            band: [(low as f32).next_down(), (high as f32).next_up()],
-            x: [from.x.min(to.x) as f32, from.x.max(to.x) as f32],
-            y: [from.y as f32, to.y as f32],
-        }
-    }
-
-    /// Whether a ray from a point towards larger u crosses this; `None` where that is not decided,
-    /// if the point may be off by `reach`.
-    fn is_crossed(&self, point: DVec2, reach: DVec2) -> Option<bool> {
-        let [across, band, x, y] =
-            [self.across, self.band, self.x, self.y].map(|pair| pair.map(f64::from));
-        let apart = point.x + reach.x < x[0]
-            || point.x - reach.x > x[1]
-            || point.y + reach.y < y[0]
-            || point.y - reach.y > y[1]; // false for NaN
-        let across = DVec2::from_array(across);
-        let (offset, spread) = (across.dot(point), across.abs().dot(reach));
-        let (left, right) = (offset - spread > band[1], offset + spread < band[0]);
-        if !(apart || left || right) {
-            return None;
-        }
-        let is_level = y[0] <= point.y && point.y < y[1];
-        Some(is_level && if apart { point.x < x[0] } else { left })
-    }
-}
+/// Stretches become a chain if its band is no wider than this, in the window's coordinates: few
+/// places fall into it.
+const THIN: f32 = 1.0 / 32.0;
 
 /// Whether trims keep a point seen through a window, in coordinates from −1 to 1, if it may be off
 /// by `reach`; `None` where the loops themselves must decide.
@@ -117,6 +69,9 @@ fn parity(window: &[WindowCurve], point: DVec2, reach: DVec2) -> Option<bool> {
     crossed.try_fold(false, |is_odd, is_crossed| Some(is_odd ^ is_crossed?))
 }
 
+/// Where a segment runs through a window: its index, and a range of its parameter.
+type Within = (usize, [f64; 2]);
+
 impl Trims {
     /// What there is to cross within a rectangle, whose coordinates are taken to run from −1 to 1,
     /// and slightly beyond it.
@@ -125,29 +80,70 @@ impl Trims {
     /// of the curves is too large for it.
     pub(crate) fn window(&self, square: &UvBox, rounding: DVec2) -> Vec<WindowCurve> {
         let (center, half) = (square.center(), 0.5 * square.size());
-        let seen = UvBox::about(center, CUT_OFF_AT * half);
         let most_off = SPARE_OF_F64 * half - rounding;
-        let (mut window, mut exits) = (Vec::new(), Vec::new());
-        let is_unusable = self.tree.any(&seen, |index| {
-            let segment = &self.segments[index];
-            let Some(range) = segment.stretch_within(&seen) else { return false };
-            let points: Vec<DVec2> =
-                segment.control_points(range).map(|point| (point - center) / half).collect();
-            let ends = [points[0], points[points.len() - 1]];
-            let is_exit = |end: &DVec2| end.x > WINDOW_REACH && end.y.abs() <= WINDOW_REACH;
-            exits.extend(ends.into_iter().filter(is_exit).map(|end| end.y));
-            window.push(WindowCurve::stretch(&points));
-            let is_exact = (2.0 * segment.reach()).cmple(most_off).all(); // false for NaN
-            window.len() > MOST_CURVES || !is_exact
-        });
-        if is_unusable {
+        let Some(within) = self.segments_within(&UvBox::about(center, CUT_OFF_AT * half), most_off)
+        else {
+            return Vec::new();
+        };
+        let stretch = |&(index, range): &Within| self.segments[index].seen(range, center, half);
+        let stretches: Vec<Stretch> = within.iter().map(stretch).collect();
+
+        let (mut window, mut first) = (Vec::new(), 0);
+        for next in 1..=within.len() {
+            if next < within.len() && self.goes_on(within[next - 1], within[next]) {
+                continue;
+            }
+            let mut chain = stretches[first..next].to_vec();
+            if !self.segments[within[first].0].is_forward() {
+                chain.reverse();
+            }
+            add_chains(&chain, &mut window);
+            first = next;
+        }
+        if window.len() > MOST_CURVES {
             return Vec::new();
         }
+        let is_exit = |end: &DVec2| end.x > WINDOW_REACH && end.y.abs() <= WINDOW_REACH;
+        let ends = stretches.iter().flat_map(|stretch| stretch.ends).filter(is_exit);
+        let mut exits: Vec<f64> = ends.map(|end| end.y).collect();
         exits.sort_by(f64::total_cmp);
         // Where two curves join beyond the window, nothing ends.
         let unpaired = exits.chunk_by(f64::eq).filter(|alike| alike.len() % 2 == 1);
         window.extend(unpaired.map(|alike| WindowCurve::exit(alike[0])));
         self.adjusted(window, |point| center + half * point)
+    }
+
+    /// The segments that run through a rectangle, in their own order; `None` if they are too many,
+    /// or if twice the error bound of one of them is more than `most_off`.
+    fn segments_within(&self, seen: &UvBox, most_off: DVec2) -> Option<Vec<Within>> {
+        let mut within = Vec::new();
+        let is_unusable = self.tree.any(seen, |index| {
+            let segment = &self.segments[index];
+            within.extend(segment.stretch_within(seen).map(|range| (index, range)));
+            let is_exact = (2.0 * segment.reach()).cmple(most_off).all(); // false for NaN
+            within.len() > MOST_STRETCHES || !is_exact
+        });
+        within.sort_unstable_by_key(|(index, _)| *index);
+        (!is_unusable).then_some(within)
+    }
+
+    /// Whether a stretch is the continuation of the one before, along the loop, and runs in the same
+    /// direction in u and in v.
+    fn goes_on(&self, before: Within, after: Within) -> bool {
+        let ((first, [from, to]), (second, [next_from, next_to])) = (before, after);
+        let [one, other] = [first, second].map(|index| &self.segments[index]);
+        let is_whole = if one.is_forward() {
+            to == 1.0 && next_from == 0.0
+        } else {
+            from == 0.0 && next_to == 1.0
+        };
+        let ([start, joint], [same, end]) = (one.directed_ends(), other.directed_ends());
+        let (step, next) = (joint - start, end - same);
+        second == first + 1
+            && is_whole
+            && joint == same
+            && step.y * next.y > 0.0
+            && [0.0 < step.x, step.x < 0.0] == [0.0 < next.x, next.x < 0.0]
     }
 
     /// The window with what every ray crosses, if that is needed; `uv` gives the parameters of a
@@ -173,6 +169,19 @@ impl Trims {
         }
         window
     }
+}
+
+/// Adds stretches that go on in one direction, in order of v: as one chain if it is thin, else in
+/// halves.
+fn add_chains(stretches: &[Stretch], window: &mut Vec<WindowCurve>) {
+    let chain = WindowCurve::chain(stretches);
+    if chain.width() <= THIN || stretches.len() == 1 {
+        window.push(chain);
+        return;
+    }
+    let (first, second) = stretches.split_at(stretches.len() / 2);
+    add_chains(first, window);
+    add_chains(second, window);
 }
 
 #[cfg(test)]

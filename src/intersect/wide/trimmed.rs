@@ -60,38 +60,57 @@ pub(super) struct Places<S: Simd> {
     pub(super) reach: [f32x16<S>; 2],
 }
 
-/// The lanes that a window keeps, and those for which it tells, a bit each: [`trim::is_kept`] for
-/// sixteen places.
+/// The lanes that a window keeps, and those for which it tells, a bit each, of those that are
+/// `asked` for: [`trim::is_kept`] for sixteen places.
+///
+/// Neighbouring rays are beside most curves, all in the same way: so curves are asked about their
+/// rectangles first.
 #[simd]
 pub(super) fn kept_in_window<S: Simd>(
     simd: S,
     window: &[WindowCurve],
     places: &Places<S>,
+    asked: u32,
 ) -> [u32; 2] {
     let splat = |x: f32| splat(simd, x);
     let [x, y] = places.at;
+    let (zero, one) = (splat(0.0), splat(1.0));
     let spare = splat(WINDOW_SPARE as f32 + SPARE_OF_F32);
     let [reach_x, reach_y] = places.reach.map(|reach| reach + spare);
     let most = splat(WINDOW_REACH as f32);
     let is_seen = (x.abs() + reach_x).simd_le(most) & (y.abs() + reach_y).simd_le(most);
+    let others = !(mask32x16::from_bitmask(simd, u64::from(asked)) & is_seen);
+    let ([left_x, right_x], [low_y, high_y]) =
+        ([x - reach_x, x + reach_x], [y - reach_y, y + reach_y]);
     let [mut is_odd, mut decided] = [mask32x16::splat(simd, false), is_seen];
     for curve in window {
         let [[left_end, right_end], [low, high]] = [curve.x.map(splat), curve.y.map(splat)];
-        let apart = (x + reach_x).simd_lt(left_end)
-            | (x - reach_x).simd_gt(right_end)
-            | (y + reach_y).simd_lt(low)
-            | (y - reach_y).simd_gt(high);
-        let [across_x, across_y] = curve.across.map(splat);
-        let offset = across_x.mul_add(x, across_y * y);
-        let spread = across_x.abs().mul_add(reach_x, across_y.abs() * reach_y);
-        let [least, largest] = curve.band.map(splat);
-        let left = (offset - spread).simd_gt(largest);
-        let right = (offset + spread).simd_lt(least);
-        decided &= apart | left | right;
+        let is_right_or_level_with_none =
+            high_y.simd_lt(low) | low_y.simd_gt(high) | left_x.simd_gt(right_end);
+        if (is_right_or_level_with_none | others).all_true() {
+            continue;
+        }
+        let is_left = right_x.simd_lt(left_end);
         let is_level = low.simd_le(y) & y.simd_lt(high);
-        is_odd ^= is_level & apart.select(x.simd_lt(left_end), left);
+        let apart = is_right_or_level_with_none | is_left;
+        if (apart | others).all_true() {
+            is_odd ^= is_level & is_left;
+            continue;
+        }
+        let [across_x, across_y] = curve.across.map(splat);
+        let [along_x, along_y] = curve.along.map(splat);
+        let place = along_x.mul_add(x, along_y.mul_add(y, splat(curve.start))).max(zero).min(one);
+        let bow = splat(curve.bend) * place * (one - place);
+        let value = across_x.mul_add(x, across_y * y) - bow;
+        let [spread_x, spread_y] = curve.spread.map(splat);
+        let spread = spread_x.mul_add(reach_x, spread_y * reach_y);
+        let [least, largest] = curve.band.map(splat);
+        let left = (value - spread).simd_gt(largest);
+        let right = (value + spread).simd_lt(least);
+        decided &= apart | left | right;
+        is_odd ^= is_level & apart.select(is_left, left);
     }
-    let decided = if window.is_empty() { 0 } else { lane_bits(decided) };
+    let decided = if window.is_empty() { 0 } else { lane_bits(decided) & asked };
     [lane_bits(is_odd), decided]
 }
 
@@ -103,7 +122,7 @@ mod tests {
     use crate::intersect::level::dispatch;
     use crate::intersect::tree::nodes::LANES;
     use crate::math::SplitMix;
-    use crate::math::bits::has;
+    use crate::math::bits::{has, set_bits};
 
     #[test]
     fn sixteen_places_are_kept_as_one_is() {
@@ -124,12 +143,13 @@ mod tests {
             if k % 5 == 0 {
                 (reach[0][1], reach[1][2]) = (f32::NAN, f32::INFINITY);
             }
+            let asked = [0xffff, 0x00ff, 0x5a3c][k % 3];
             let said = dispatch!(Kernel::best_level(), simd => {
                 let lanes = |of: [[f32; LANES]; 2]| of.map(|of| f32x16::from_slice(simd, &of));
                 let places = Places { at: lanes(at), reach: lanes(reach) };
-                kept_in_window(simd, &window, &places).map(u64::from)
+                kept_in_window(simd, &window, &places, asked).map(u64::from)
             });
-            for lane in 0..LANES {
+            for lane in set_bits(asked) {
                 let [at, reach] = [at, reach]
                     .map(|of| DVec2::new(f64::from(of[0][lane]), f64::from(of[1][lane])));
                 let one = trim::is_kept(&window, at, reach);

@@ -276,8 +276,8 @@ fn kept_by_trims<S: Simd>(
     let in_box = |k: usize| narrow(reach * f64x8::splat(simd, closer.per_half[k]));
     let places = Places { at: [at(0), at(1)], reach: [in_box(0), in_box(1)] };
     let asked = asked.to_bitmask();
-    let [kept, decided] = kept_in_window(simd, window, &places).map(u64::from);
-    let [mut kept, mut decided] = [kept & decided & asked, decided & asked];
+    let [kept, decided] = kept_in_window(simd, window, &places, asked as u32).map(u64::from);
+    let [mut kept, mut decided] = [kept & decided, decided];
     // The trims themselves tell where the window does not.
     for k in set_bits(asked & !decided) {
         let side = target.piece.side(DVec2::new(st[0][k], st[1][k]), DVec2::splat(reach[k]));

@@ -132,7 +132,7 @@ impl<S: Simd> Screen<'_, S> {
         if leaf.is_trimmed() {
             let turned = bend.mul_add(reach + reach, per_move);
             let steady = (by_inverse * turned).simd_le(splat(simd, 0.25));
-            let [kept, decided] = self.kept(simd, to, radius, by_inverse);
+            let [kept, decided] = self.kept(simd, to, radius, by_inverse, lanes);
             missed |= lane_bits(known & in_domain & steady) & decided & !kept;
             met &= lane_bits(steady) & decided & kept;
         }
@@ -146,7 +146,7 @@ impl<S: Simd> Screen<'_, S> {
     }
 
     /// Which roots trims keep, and for which that is known, a bit each: of roots that are within
-    /// `radius` of a place, for the largest row sums of the inverse Jacobian there.
+    /// `radius` of a place, for the largest row sums of the inverse Jacobian there, in these lanes.
     #[inline(always)]
     fn kept(
         &self,
@@ -154,6 +154,7 @@ impl<S: Simd> Screen<'_, S> {
         at: [f32x16<S>; 2],
         radius: f32x16<S>,
         by_inverse: f32x16<S>,
+        lanes: u32,
     ) -> [u32; 2] {
         let leaf = self.leaf;
         let lengths = leaf.half_side_lengths();
@@ -167,7 +168,7 @@ impl<S: Simd> Screen<'_, S> {
             edge.mul_add(splat(simd, 1.0 / x), radius),
             edge.mul_add(splat(simd, 1.0 / y), radius),
         ];
-        kept_in_window(simd, self.window, &Places { at, reach })
+        kept_in_window(simd, self.window, &Places { at, reach }, lanes)
     }
 
     /// The lanes that are beyond the leaf on some side, and for which the certificate shows that

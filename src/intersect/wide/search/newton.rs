@@ -8,14 +8,17 @@ use super::convergence::{COARSEST, MOST_ROUNDED, MOST_STEPS, PART_OF_ERROR};
 use crate::intersect::wide::reach::WITH_SLACK;
 use crate::intersect::wide::surface::sums::Jets;
 use crate::intersect::wide::vectors::{cross_d, dot_d, sum_of_sizes};
+use crate::patch::LEAF_SLACK;
 
 /// The largest accepted bound, in radians, of the normal's error after a last step; above it the
 /// normal is evaluated where the step led. With 1e-10 normals were seen to be off by 1.2e-11.
 const MOST_TURN: f64 = 5e-12;
 
 /// The longest step, in half sides, of which anything is claimed: in longer ones rounding of second
-/// derivatives might count.
-const LONGEST_STEP: f64 = 1e-3;
+/// derivatives might count. In flat leaves, which are not searched in f32, a start in the leaf's box
+/// is off by as much as the box is wider than the leaf.
+const LONGEST_STEP: f64 = 4e-3;
+const _: () = assert!(LONGEST_STEP > 1.5 * LEAF_SLACK);
 
 /// Eight leaves, one a lane, and the surfaces that they approximate.
 pub(crate) trait Leaves<S: Simd> {
