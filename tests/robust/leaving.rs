@@ -1,6 +1,6 @@
 //! Rays that leave a hit: it is not met again, and no other hit is lost with it.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use nurbray::geometry::construct::{self, Axis};
 use nurbray::geometry::{KnotVector, NurbsCurve, NurbsSurface, Surface, shapes};
 use nurbray::intersect::{Coherence, Hit, HitFlags, Kernel, Query, SurfaceBvh, Tracer};
@@ -303,6 +303,58 @@ fn origins_moved_off_a_grazing_hit_meet_it_again() {
                 assert!(Query::leaving(there, &seen).start_root().is_some());
             }
         }
+    }
+}
+
+/// A lens of three surfaces, whose normals point outward, and the points of its two edges.
+fn lens(moved: &DAffine3) -> (SurfaceBvh, impl Fn(f64, bool) -> DVec3) {
+    let turned = |profile: &NurbsCurve| construct::revolve(profile, &Axis::Z, 360.0).unwrap();
+    let cap = |z: [f64; 2]| {
+        let points = [(0.0, z[0]), (6.1, z[0]), (12.5, z[1])];
+        let points = points.map(|(x, z)| DVec3::new(x, 0.0, z)).to_vec();
+        turned(&NurbsCurve::new(KnotVector::bezier(2).unwrap(), points, None).unwrap())
+    };
+    let rim = [1.53, 4.47].map(|z| DVec3::new(12.5, 0.0, z));
+    let rim = turned(&NurbsCurve::polyline(&rim).unwrap());
+    let surfaces = [cap([0.0, 1.53]), cap([6.0, 4.47]).reversed_u(), rim];
+    let surfaces = surfaces.map(|surface| surface.transformed(moved).unwrap());
+    let moved = *moved;
+    let edge = move |angle: f64, is_upper: bool| {
+        let [x, y] = [12.5 * angle.cos(), 12.5 * angle.sin()];
+        moved.transform_point3(DVec3::new(x, y, if is_upper { 4.47 } else { 1.53 }))
+    };
+    (SurfaceBvh::build(&surfaces).unwrap(), edge)
+}
+
+/// A ray through an edge of a closed body goes in or out there once, whichever of the two surfaces
+/// it is found to cross beside the edge.
+#[test]
+fn edges_are_crossed_once() {
+    let turned = DQuat::from_euler(EulerRot::XYZ, 0.3, 0.7, 1.1);
+    let turned = DAffine3::from_rotation_translation(turned, DVec3::new(3.0, -7.0, 11.0));
+    for moved in [DAffine3::IDENTITY, turned] {
+        let (bvh, edge) = lens(&moved);
+        let (mut tracer, mut random) = (bvh.tracer(), Random::new(76));
+        let mut certain = 0;
+        for k in 0..20_000 {
+            let target = edge(6.3 * random.unit(), k % 2 == 0);
+            let origin = moved.transform_point3(40.0 * random.direction());
+            let ray = Ray::new(origin, target - origin).unwrap();
+            let (mut query, mut out, mut doubtful) = (Query::primary(ray), Vec::new(), false);
+            while out.len() < 9 {
+                let answer = tracer.first_hit(&query);
+                doubtful |= answer.doubtful;
+                let Some(hit) = answer.hit else { break };
+                out.push(hit.normal.dot(ray.direction()) > 0.0);
+                query = Query::leaving(Ray::new(hit.point, ray.direction()).unwrap(), &hit);
+            }
+            if !doubtful {
+                let alternate = out.iter().enumerate().all(|(k, out)| *out == (k % 2 == 1));
+                assert!(alternate && out.len() % 2 == 0, "{ray:?}: {out:?}");
+                certain += 1;
+            }
+        }
+        assert!(certain > 8_000, "{certain}");
     }
 }
 

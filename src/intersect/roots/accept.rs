@@ -199,7 +199,7 @@ impl<'a> Candidate<'a> {
         let from_start = question.from.map_or(f64::NEG_INFINITY, |root| z_error + root.error);
         let is_start = z.abs() <= from_start
             && flags.without(HitFlags::TRIM_EDGE).is_empty()
-            && (at_trims || self.is_at_border())
+            && (at_trims || self.is_at_border(from_start))
             && question.starts_on_edge_at(point, cosine, z_error);
         if !is_start {
             return Ok(());
@@ -225,13 +225,14 @@ impl<'a> Candidate<'a> {
         Ok(())
     }
 
-    fn is_at_border(&self) -> bool {
+    /// Whether the place is at a border, if it may be off by `more` than its error.
+    fn is_at_border(&self, more: f64) -> bool {
         let Spot { piece, st, ref jet, .. } = self.on_ray.spot;
-        at_border(piece, st, jet, self.error)
+        at_border(piece, st, jet, self.error + more)
     }
 
     fn meeting(self) -> Meeting {
-        let at_border = self.is_at_border();
+        let at_border = self.is_at_border(0.0);
         let Self { question, on_ray, error, z_error, normal, .. } = self;
         let Self { at_trims, edge, mut cosine, mut flags, .. } = self;
         let OnRay { spot, z, residual, .. } = on_ray;

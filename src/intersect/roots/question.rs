@@ -38,14 +38,18 @@ impl<'a> Question<'a> {
     /// Whether the crossing of an edge at `point` is that of the edge, of another surface, which
     /// the ray starts on: at the same place, to within both error bounds, and with the same sign of
     /// `N · d`, as in [`crossings`](crate::intersect::crossings).
+    ///
+    /// The start counts as on an edge if it is as near to one as both may be off: the ray crosses
+    /// one of the two surfaces beside the edge that they share, by rounding perhaps both.
     pub(super) fn starts_on_edge_at(&self, point: DVec3, cosine: f64, z_error: f64) -> bool {
         let Some(root) = self.from else { return false };
         let piece = &self.set.pieces()[root.piece as usize];
         let jet = piece.patch.jet(root.st);
-        let near = point.distance(jet.point) <= 2.0 * (z_error + root.error);
+        let off = z_error + root.error;
+        let near = point.distance(jet.point) <= 2.0 * off;
         let edge = || {
-            at_border(piece, root.st, &jet, piece.patch.error_bound(self.ray.magnitude))
-                || matches!(piece.side(root.st, trim_reach(&jet, root.error)), Side::Edge { .. })
+            at_border(piece, root.st, &jet, piece.patch.error_bound(self.ray.magnitude) + off)
+                || matches!(piece.side(root.st, trim_reach(&jet, off)), Side::Edge { .. })
         };
         let same_side = || {
             let other = piece.normal(root.st, &jet).map_or(0.0, |normal| normal.dot(self.ray.axis));
