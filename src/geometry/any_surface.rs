@@ -187,7 +187,9 @@ impl Surface {
         }
     }
 
-    /// Whether `uv` is on a border, up to the rounding of its parameters.
+    /// Whether `uv` is exactly on a border of the domain, except that `u + v` of a triangular patch
+    /// may be rounded. Hits are known to be at a border to within rounding by
+    /// [`HitFlags::BORDER`](crate::intersect::HitFlags::BORDER).
     pub fn on_border(&self, uv: DVec2) -> bool {
         match self {
             Self::Nurbs(_) | Self::Trimmed(_) => {
