@@ -85,14 +85,14 @@ pub(super) fn kept_in_window<S: Simd>(
     let [mut is_odd, mut decided] = [mask32x16::splat(simd, false), is_seen];
     for curve in window {
         let [[left_end, right_end], [low, high]] = [curve.x.map(splat), curve.y.map(splat)];
-        let is_right_or_level_with_none =
-            high_y.simd_lt(low) | low_y.simd_gt(high) | left_x.simd_gt(right_end);
-        if (is_right_or_level_with_none | others).all_true() {
+        // Rays from within reach towards larger u do not cross it.
+        let uncrossed = high_y.simd_lt(low) | low_y.simd_gt(high) | left_x.simd_gt(right_end);
+        if (uncrossed | others).all_true() {
             continue;
         }
         let is_left = right_x.simd_lt(left_end);
         let is_level = low.simd_le(y) & y.simd_lt(high);
-        let apart = is_right_or_level_with_none | is_left;
+        let apart = uncrossed | is_left;
         if (apart | others).all_true() {
             is_odd ^= is_level & is_left;
             continue;
