@@ -321,7 +321,10 @@ impl Segment {
 
     /// A stretch of it, which begins and ends at [`Self::at`], in the coordinates of a window with
     /// this center and these half side lengths.
-    pub(super) fn seen(&self, [from, to]: [f64; 2], center: DVec2, half: DVec2) -> Stretch {
+    ///
+    /// Where weights differ by orders of magnitude, rounding may move the cuts by more than the
+    /// window's spare, along the curve; but there so short a stretch of it is straight.
+    pub(super) fn stretch_in(&self, [from, to]: [f64; 2], center: DVec2, half: DVec2) -> Stretch {
         let mut control = self.homogeneous();
         bernstein::restrict(&mut control, from, to);
         for c in &mut control {

@@ -81,11 +81,15 @@ impl Trims {
     pub(crate) fn window(&self, square: &UvBox, rounding: DVec2) -> Vec<WindowCurve> {
         let (center, half) = (square.center(), 0.5 * square.size());
         let most_off = SPARE_OF_F64 * half - rounding;
+        if !most_off.cmpge(DVec2::ZERO).all() {
+            return Vec::new(); // also for NaN
+        }
         let Some(within) = self.segments_within(&UvBox::about(center, CUT_OFF_AT * half), most_off)
         else {
             return Vec::new();
         };
-        let stretch = |&(index, range): &Within| self.segments[index].seen(range, center, half);
+        let stretch =
+            |&(index, range): &Within| self.segments[index].stretch_in(range, center, half);
         let stretches: Vec<Stretch> = within.iter().map(stretch).collect();
 
         let (mut window, mut first) = (Vec::new(), 0);
@@ -132,7 +136,7 @@ impl Trims {
     fn goes_on(&self, before: Within, after: Within) -> bool {
         let ((first, [from, to]), (second, [next_from, next_to])) = (before, after);
         let [one, other] = [first, second].map(|index| &self.segments[index]);
-        let is_whole = if one.is_forward() {
+        let meet_at_joint = if one.is_forward() {
             to == 1.0 && next_from == 0.0
         } else {
             from == 0.0 && next_to == 1.0
@@ -140,7 +144,7 @@ impl Trims {
         let ([start, joint], [same, end]) = (one.directed_ends(), other.directed_ends());
         let (step, next) = (joint - start, end - same);
         second == first + 1
-            && is_whole
+            && meet_at_joint
             && joint == same
             && step.y * next.y > 0.0
             && [0.0 < step.x, step.x < 0.0] == [0.0 < next.x, next.x < 0.0]
@@ -269,5 +273,9 @@ mod tests {
         assert!(circle.window(&about(1e-9), DVec2::ZERO).is_empty());
         assert!(circle.window(&about(1e-6), DVec2::splat(1e-12)).is_empty());
         assert!(circle.window(&about(0.0), DVec2::ZERO).is_empty());
+        // Nor if no curve is near.
+        let inside = UvBox::about(DVec2::ZERO, DVec2::splat(1e-6));
+        assert!(!circle.window(&inside, DVec2::ZERO).is_empty());
+        assert!(circle.window(&inside, DVec2::splat(1e-6)).is_empty());
     }
 }

@@ -12,9 +12,9 @@
 //!
 //! # Proof
 //! Let a point be known to lie in a rectangle that meets that of the chain's ends, and `F` be
-//! larger than on the chain in all of it. (`F` changes by no more than `spread` times a step, as
-//! `s (1 − s)` does by no more than `s`.) Then the chain does not enter the rectangle. A point `P`
-//! of it that lies in the rectangle of the ends has an `s` between those of the ends, because both
+//! larger in all of the point's rectangle than on the chain. (`F` changes by no more than `spread`
+//! times a step, as `s (1 − s)` does by no more than `s`.) Then the chain does not enter that
+//! rectangle. A point `P` of it that also lies in the rectangle of the ends has an `s` between those of the ends, because both
 //! parts of `along` have the signs of the chord's. So there is a point `C` of the chain with the same
 //! `s`, and `P − C` is perpendicular to `along`. As `F(P) > F(C)`, it has the direction of `across`,
 //! towards smaller u; and as the chain runs in one direction, `P` is left of it. Other points of the
@@ -125,8 +125,8 @@ impl WindowCurve {
     }
 }
 
-/// Of a chain, all stretches together are cut into no more parts than this before their bands are
-/// computed: bands of smaller parts are narrower.
+/// Before their bands are computed, the stretches of a chain are cut into up to four parts each, but
+/// no more than this together, if there are fewer stretches: bands of smaller parts are narrower.
 const MOST_PARTS: usize = 8;
 
 /// The band of no curve.
@@ -244,7 +244,8 @@ impl Parabola {
     ///
     /// These have coordinates of up to 1.1. The first product and sum are off by up to 2.2 times
     /// `u = 2⁻²⁴`, the place along the chord by 3.3 (`|along| + |start|`) u, what is subtracted by
-    /// three roundings more, and the difference by as much as its size. All of it twice.
+    /// three roundings more, and the difference by as much as its size. All of it is taken twice,
+    /// which also pays for `spread` and the last sum with it.
     fn rounding_of_f32(&self) -> f64 {
         let place = self.along.abs().element_sum() + self.start.abs();
         let bow = self.bend.abs() * (3.3 * place + 4.0);

@@ -60,8 +60,8 @@ pub(super) struct Places<S: Simd> {
     pub(super) reach: [f32x16<S>; 2],
 }
 
-/// The lanes that a window keeps, and those for which it tells, a bit each, of those that are
-/// `asked` for: [`trim::is_kept`] for sixteen places.
+/// [`trim::is_kept`] for sixteen places, a bit each: those that the window keeps, and those of the
+/// ones `asked` for about which it tells. The first bits mean nothing where the others are not set.
 ///
 /// Neighbouring rays are beside most curves, all in the same way: so curves are asked about their
 /// rectangles first.

@@ -16,9 +16,10 @@ const MOST_TURN: f64 = 5e-12;
 
 /// The longest step, in half sides, of which anything is claimed: in longer ones rounding of second
 /// derivatives might count. In flat leaves, which are not searched in f32, a start in the leaf's box
-/// is off by as much as the box is wider than the leaf.
+/// is off by as much as the box is wider than the leaf: by the slack, which is a part of a whole
+/// side.
 const LONGEST_STEP: f64 = 4e-3;
-const _: () = assert!(LONGEST_STEP > 1.5 * LEAF_SLACK);
+const _: () = assert!(LONGEST_STEP > 2.0 * LEAF_SLACK);
 
 /// Eight leaves, one a lane, and the surfaces that they approximate.
 pub(crate) trait Leaves<S: Simd> {
@@ -131,8 +132,8 @@ struct Landed<S: Simd> {
 /// leads away (`surely_away`).
 ///
 /// Steps use second derivatives, too (Chebyshev's method): they leave the third power of their
-/// length, and as the search in f32 ends within about 1e-5 half sides, as a rule the first step is
-/// the last. (One step with first derivatives alone, and another from where it leads, take longer
+/// length, and as the search in f32 ends within about 1e-5 half sides (in flat leaves the bend is
+/// small instead), as a rule the first step is the last. (One step with first derivatives alone, and another from where it leads, take longer
 /// than one with both.)
 #[inline(always)] // what goes in and out are dozens of vectors
 pub(crate) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(

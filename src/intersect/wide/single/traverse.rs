@@ -198,12 +198,10 @@ const NEAR_POLE: f64 = 1.0 / 8.0;
 
 #[inline(always)]
 fn passes_near_pole(leaf: &Leaf, piece: &Piece, ray: &RayFrame) -> bool {
-    let near = || {
+    leaf.pole(piece).is_some_and(|pole| {
         let [x, y] = leaf.half_side_lengths().map(f64::from);
-        let reach = NEAR_POLE * x.max(y);
-        leaf.pole(piece).is_some_and(|pole| ray.distance(pole) < reach)
-    };
-    leaf.has_pole() && near()
+        ray.distance(pole) < NEAR_POLE * x.max(y)
+    })
 }
 
 /// A leaf with the net for sums.
