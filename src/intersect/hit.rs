@@ -212,6 +212,10 @@ impl Query {
     /// cemented together, a ray that leaves one of them may meet the other at once, and a ray that
     /// leaves the other may meet the first again. So bound a loop that goes on from hit to hit.
     /// Model such an interface as one surface, or ask for [all hits](super::Tracer::all_hits).
+    ///
+    /// Trimmed faces are closed: beside an edge of a body, within some errors of it, a ray may meet
+    /// one of both faces only, or both in the same sense, in or out. One of these hits is flagged
+    /// [`TRIM_EDGE`](HitFlags::TRIM_EDGE).
     pub fn leaving(ray: Ray, hit: &Hit) -> Self {
         // Most start there exactly.
         if ray.origin() == hit.point {

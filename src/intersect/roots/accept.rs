@@ -48,6 +48,7 @@ pub(crate) fn accept(
     let mut candidate = Candidate::new(question, place.leaf, solution, on_ray);
     candidate.keep_to_trims()?;
     candidate.leave_start()?;
+    candidate.leave_edge()?;
     candidate.stay_in_range()?;
     if candidate.just_cut_off {
         return Err(Dropped::from(candidate.on_ray.z, question.ray));
@@ -184,28 +185,50 @@ impl<'a> Candidate<'a> {
 
     /// Drops the root the ray starts on: it is not met again.
     fn leave_start(&self) -> Result<(), Dropped> {
-        let Self { question, error, z_error, cosine, flags, at_trims, .. } = *self;
+        let Self { question, error, z_error, cosine, flags, .. } = *self;
         let (z, proof) = (self.on_ray.z, self.solution.proof);
         let point = self.on_ray.spot.jet.point;
-        if let Some((root, start)) = question.start_on(self.on_ray.spot.piece.surface) {
-            let reach = start_reach(proof, error, z_error, cosine) + root.error;
-            if z.abs() <= reach && point.distance(start.patch.point(root.st)) <= 2.0 * reach {
-                // Where the ray may touch the surface at a pole, this may be its next root.
-                let touches = flags.contains(HitFlags::DOUBTFUL);
-                let is_other = touches || !is_same_root(proof, self.leaf, (root, start), reach);
-                return Err(if is_other { Dropped::InDoubt(0.0) } else { Dropped::Surely });
-            }
-        }
-        let from_start = question.from.map_or(f64::NEG_INFINITY, |root| z_error + root.error);
-        let is_start = z.abs() <= from_start
-            && flags.without(HitFlags::TRIM_EDGE).is_empty()
-            && (at_trims || self.is_at_border(from_start))
-            && question.starts_on_edge_at(point, cosine, z_error);
-        if !is_start {
+        let surface = self.on_ray.spot.piece.surface;
+        let Some((root, start)) = question.start_on(surface) else { return Ok(()) };
+        let reach = start_reach(proof, error, z_error, cosine) + root.error;
+        if z.abs() > reach || point.distance(start.patch.point(root.st)) > 2.0 * reach {
             return Ok(());
         }
-        let is_known = is_short(self.leaf, from_start);
-        Err(if is_known { Dropped::Surely } else { Dropped::InDoubt(0.0) })
+        // Where the ray may touch the surface at a pole, this may be its next root.
+        let touches = flags.contains(HitFlags::DOUBTFUL);
+        let is_other = touches || !is_same_root(proof, self.leaf, (root, start), reach);
+        Err(if is_other { Dropped::InDoubt(0.0) } else { Dropped::Surely })
+    }
+
+    /// Drops the crossing of an edge on which the ray starts, if the start was found on the other
+    /// surface of the edge: at the same place, and with the same sign of `N · d`, as in
+    /// [`crossings`](crate::intersect::crossings).
+    ///
+    /// Beside the edge the ray crosses one of the surfaces, by rounding perhaps both. It is in
+    /// doubt whether crossings are the same that are only as near to each other, and to the edge,
+    /// as both may be off.
+    fn leave_edge(&self) -> Result<(), Dropped> {
+        let Self { question, z_error, cosine, flags, at_trims, edge, .. } = *self;
+        let (z, point) = (self.on_ray.z, self.on_ray.spot.jet.point);
+        // What lies on a trim edge may be as far from what is kept as is allowed there.
+        let reach = |off: f64| if at_trims { TRIM_REACH * off + edge } else { off };
+        let farthest = question.from.map_or(f64::NEG_INFINITY, |root| reach(z_error + root.error));
+        let is_clear = flags.without(HitFlags::TRIM_EDGE).is_empty();
+        if !(is_clear && z.abs() <= farthest) {
+            return Ok(());
+        }
+        let Some(start) = question.start_in_sense_of(cosine) else { return Ok(()) };
+        let off = z_error + start.error;
+        let is_start = |apart: f64, more: f64| {
+            z.abs() <= apart
+                && point.distance(start.jet.point) <= 2.0 * apart
+                && (at_trims || self.is_at_border(more))
+                && start.is_at_edge(more)
+        };
+        if is_start(off, 0.0) && is_short(self.leaf, off) {
+            return Err(Dropped::Surely);
+        }
+        if is_start(reach(off), off) { Err(Dropped::InDoubt(0.0)) } else { Ok(()) }
     }
 
     /// Drops what lies outside the ray's range. At the ends of the range, and at trim edges that

@@ -1,13 +1,11 @@
 //! The question that a ray puts to leaves.
 
-use glam::DVec3;
-
 use super::borders::{at_border, trim_reach};
 use crate::geometry::trim::Side;
 use crate::intersect::hit::StartIn;
 use crate::intersect::{Query, Root};
 use crate::math::RayFrame;
-use crate::patch::{Leaf, OrientedBox, Passage, PatchSet, Piece, ScaledFrame};
+use crate::patch::{Jet, Leaf, OrientedBox, Passage, PatchSet, Piece, ScaledFrame};
 
 /// Everything a search of leaves needs to know about a query.
 #[derive(Clone, Copy, Debug)]
@@ -35,32 +33,48 @@ impl<'a> Question<'a> {
         (piece.surface == surface).then_some((root, piece))
     }
 
-    /// Whether the crossing of an edge at `point` is that of the edge, of another surface, which
-    /// the ray starts on: at the same place, to within both error bounds, and with the same sign of
-    /// `N · d`, as in [`crossings`](crate::intersect::crossings).
-    ///
-    /// The start counts as on an edge if it is as near to one as both may be off: the ray crosses
-    /// one of the two surfaces beside the edge that they share, by rounding perhaps both.
-    pub(super) fn starts_on_edge_at(&self, point: DVec3, cosine: f64, z_error: f64) -> bool {
-        let Some(root) = self.from else { return false };
+    /// The start of a ray whose `N · d` there has clearly the sign of `cosine`, as where it goes
+    /// through another surface of a body in the same sense, in or out.
+    pub(super) fn start_in_sense_of(&self, cosine: f64) -> Option<Start<'a>> {
+        let root = self.from?;
         let piece = &self.set.pieces()[root.piece as usize];
         let jet = piece.patch.jet(root.st);
-        let off = z_error + root.error;
-        let near = point.distance(jet.point) <= 2.0 * off;
-        let edge = || {
-            at_border(piece, root.st, &jet, piece.patch.error_bound(self.ray.magnitude) + off)
-                || matches!(piece.side(root.st, trim_reach(&jet, off)), Side::Edge { .. })
-        };
-        let same_side = || {
-            let other = piece.normal(root.st, &jet).map_or(0.0, |normal| normal.dot(self.ray.axis));
-            cosine * other > 0.0 && cosine.abs().min(other.abs()) > CLEAR_SIDE
-        };
-        near && edge() && same_side()
+        let other = piece.normal(root.st, &jet)?.dot(self.ray.axis);
+        let alike = cosine * other > 0.0 && cosine.abs().min(other.abs()) > CLEAR_SIDE;
+        let error = root.error.min(MOVED * root.across() / other.abs());
+        let rounding = piece.patch.error_bound(self.ray.magnitude);
+        alike.then_some(Start { root, piece, jet, error, rounding })
     }
 }
 
 /// The cosine above which it is clear on which side a ray leaves an edge.
 const CLEAR_SIDE: f64 = 1e-4;
+
+/// A ray may start as far from the point of a root as twice the root's error (see
+/// [`Query::leaving`]), and the point is off by once that.
+const MOVED: f64 = 3.0;
+
+/// The root that a ray starts on, seen from another surface.
+pub(super) struct Start<'a> {
+    root: &'a Root,
+    piece: &'a Piece,
+    pub(super) jet: Jet,
+    /// How far from the origin, along the ray that starts there, the true root may be: less than
+    /// along the ray that found it, if that was grazing.
+    pub(super) error: f64,
+    /// Error bound of a computed point.
+    rounding: f64,
+}
+
+impl Start<'_> {
+    /// Whether the start is on a border or a trim edge, if it may be off by `more` than its error.
+    pub(super) fn is_at_edge(&self, more: f64) -> bool {
+        let Self { root, piece, ref jet, .. } = *self;
+        let trim_reach = || trim_reach(jet, root.error + more);
+        at_border(piece, root.st, jet, self.rounding + more)
+            || matches!(piece.side(root.st, trim_reach()), Side::Edge { .. })
+    }
+}
 
 /// A leaf, with its box and its piece.
 #[derive(Clone, Copy, Debug)]
