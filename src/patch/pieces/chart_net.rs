@@ -174,18 +174,29 @@ impl ChartNet {
             return None;
         }
         let (mut others, size) = (Vec::new(), self.components());
+        let [p, q] = self.degree;
         let count = rows.len() * columns.len();
-        let mut numbers = Vec::with_capacity(count * self.numbers_a_net() + 1);
+        let mut numbers = Vec::with_capacity(count * size * (p + 1) * (q + 1) + 1);
+        let mut least = [1; 2];
         let mut bezier = BezierNet::new();
         for &row in rows {
             for &column in columns {
                 let NetSource::Kept(net) = self.source([row, column]) else { return None };
                 bezier.clear();
-                bezier.extend((0..=self.degree[0]).flat_map(|i| net.points(i)));
+                bezier.extend((0..=p).flat_map(|i| net.points(i)));
                 let by_powers = powers::net_of(self.degree, &bezier);
-                if by_powers.is_none() {
-                    others.push([row, column]);
-                }
+                let needed = match &by_powers {
+                    // No chart has less than all of its pieces.
+                    Some(_) if least == self.degree => self.degree,
+                    Some(net) => {
+                        powers::least_degree(self.degree, (net, &bezier), self.residual_factor)
+                    }
+                    None => {
+                        others.push([row, column]);
+                        self.degree
+                    }
+                };
+                least = [0, 1].map(|k| needed[k].max(least[k]));
                 for point in by_powers.as_ref().unwrap_or(&bezier) {
                     numbers.extend(&point.to_array()[..size]);
                 }
@@ -193,8 +204,11 @@ impl ChartNet {
         }
         // So that four can be read at any point.
         numbers.push(0.0);
-        let others = Others(others);
-        others.are_few(count).then_some(KeptPowers { numbers, others })
+        let mut powers = KeptPowers { numbers, degree: self.degree, others: Others(others) };
+        if least != self.degree {
+            powers.lower(least, size);
+        }
+        powers.others.are_few(count).then_some(powers)
     }
 
     /// How power nets are made from these control points, and for which pieces they are not, if
@@ -244,12 +258,6 @@ impl ChartNet {
         others.are_few(count).then_some(MadePowers { others, ..made })
     }
 
-    /// How many numbers the net of a piece has.
-    fn numbers_a_net(&self) -> usize {
-        let [p, q] = self.degree;
-        self.components() * (p + 1) * (q + 1)
-    }
-
     /// The net of a piece whose sums are used where speed counts, in power form or in Bernstein
     /// form.
     #[inline(always)]
@@ -257,9 +265,19 @@ impl ChartNet {
         let Sums::Powers(powers) = &self.sums else { return self.source(first) };
         let spans = [0, 1].map(|k| &self.spans[k][first[k] as usize]);
         let number = (spans[0].number * spans[1].count + spans[1].number) as usize;
-        let length = self.components() * (self.degree[1] + 1);
-        let numbers = &powers.numbers[self.numbers_a_net() * number..];
+        let [p, q] = powers.degree;
+        let length = self.components() * (q + 1);
+        let numbers = &powers.numbers[length * (p + 1) * number..];
         NetSource::Kept(PieceNet::new(numbers, length, length, self.control.weight))
+    }
+
+    /// The degrees of that net, which may be less than those of the pieces.
+    #[inline(always)]
+    pub(super) fn sums_degree(&self) -> [usize; 2] {
+        match &self.sums {
+            Sums::Powers(powers) => powers.degree,
+            Sums::Bernstein | Sums::PowersOf(_) => self.degree,
+        }
     }
 
     /// Whether that net is in power form.

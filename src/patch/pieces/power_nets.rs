@@ -22,7 +22,10 @@ impl Others {
 /// The power nets of pieces, and the Bézier points of those that are not well conditioned.
 #[derive(Debug)]
 pub(super) struct KeptPowers {
+    /// Net by net, and one more number: so that four can be read at any point.
     pub(super) numbers: Vec<f64>,
+    /// The degrees of the nets. They may be less than those of the pieces, unless there are others.
+    pub(super) degree: [usize; 2],
     pub(super) others: Others,
 }
 
@@ -37,6 +40,17 @@ pub(super) struct MadePowers {
 }
 
 impl KeptPowers {
+    /// Leaves out the powers beyond these degrees; `size` numbers belong to a point.
+    pub(super) fn lower(&mut self, degree: [usize; 2], size: usize) {
+        let [p, q] = self.degree;
+        let (row, lower_row) = (size * (q + 1), size * (degree[1] + 1));
+        let nets = self.numbers.chunks_exact((p + 1) * row);
+        let rows = nets.flat_map(|net| net.chunks_exact(row).take(degree[0] + 1));
+        let mut numbers: Vec<f64> = rows.flat_map(|row| &row[..lower_row]).copied().collect();
+        numbers.push(0.0);
+        (self.numbers, self.degree) = (numbers, degree);
+    }
+
     pub(super) fn bytes(&self) -> usize {
         size_of::<Self>() + size_of_val(&self.numbers[..]) + size_of_val(&self.others.0[..])
     }

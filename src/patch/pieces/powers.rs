@@ -52,6 +52,11 @@ pub(super) fn suit([p, q]: [usize; 2]) -> bool {
 /// points may move points.
 const MOST_OFF: f64 = 0.5;
 
+/// The fraction of the promised error bound by which coefficients that are left out may move points:
+/// a little more than the rounding of control points does whose degrees have been elevated, which
+/// was seen to be 0.15.
+const MOST_LEFT_OUT: f64 = 0.25;
+
 /// Pieces are checked where `x` and `y` are any of these.
 const PLACES: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
 
@@ -128,6 +133,44 @@ pub(super) fn net_of(degree: [usize; 2], bezier: &[DVec4]) -> Option<BezierNet> 
     let suits_all = suits(1.0, 1.0, bezier.iter().map(|c| c.w).fold(f64::INFINITY, f64::min))
         || everywhere(|x, y| suits(x, y, sum(&net, columns, [x, y], |c| c).w));
     suits_all.then_some(net)
+}
+
+/// The least degrees, but one at least, that a piece has up to rounding: as a rule its own; less
+/// where they have been elevated. All other coefficients of its power net are as good as zero.
+///
+/// A half circle, too, is a cubic whose degree was elevated: as a quadratic, it has a control point
+/// of weight zero, at infinity. So a sphere of two bicubic pieces is biquadratic.
+pub(super) fn least_degree(
+    degree: [usize; 2],
+    (net, bezier): (&[DVec4], &[DVec4]),
+    factor: f64,
+) -> [usize; 2] {
+    let columns = degree[1] + 1;
+    let magnitude = magnitude(bezier);
+    let most = MOST_LEFT_OUT * factor * magnitude;
+    let suffices = |[p, q]: [usize; 2]| {
+        let mut others = BezierNet::from_slice(net);
+        for row in others.chunks_exact_mut(columns).take(p + 1) {
+            row[..=q].fill(DVec4::ZERO);
+        }
+        everywhere(|x, y| {
+            let off = sum(&others, columns, [x.abs(), y.abs()], DVec4::abs);
+            let moved = off.truncate().max_element() + off.w * magnitude;
+            moved <= most * sum(net, columns, [x, y], |c| c).w
+        })
+    };
+    let mut least = degree;
+    for k in 0..2 {
+        while least[k] > 1 {
+            let mut lower = least;
+            lower[k] -= 1;
+            if !suffices(lower) {
+                break;
+            }
+            least = lower;
+        }
+    }
+    least
 }
 
 /// Converts Bernstein coefficients of degree up to three on `[−1, 1]` to power coefficients;
@@ -289,10 +332,10 @@ fn in_both_directions(
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
+    use glam::{DAffine3, DQuat, DVec3};
 
     use super::*;
-    use crate::geometry::NurbsSurface;
+    use crate::geometry::{NurbsSurface, shapes};
     use crate::math::bernstein;
     use crate::patch::{NetSource, PatchSet};
 
@@ -368,6 +411,67 @@ mod tests {
             }
             assert!(checked > 400, "{degree:?}: {checked}");
         }
+    }
+
+    /// The degrees of the sums of a surface's pieces.
+    fn least_degree_of(surface: NurbsSurface) -> [usize; 2] {
+        let (set, _) = PatchSet::new(&[surface]).unwrap();
+        let degree = set.pieces()[0].patch.sums_degree();
+        assert!(set.pieces().iter().all(|piece| piece.patch.sums_degree() == degree));
+        degree
+    }
+
+    #[test]
+    fn elevated_degrees_are_left_out() {
+        for (degree @ [p, q], times @ [in_u, in_v]) in [
+            ([1, 1], [2, 2]),
+            ([1, 2], [1, 1]),
+            ([2, 2], [1, 0]),
+            ([2, 3], [0, 2]),
+            ([3, 3], [1, 1]),
+            ([5, 1], [0, 1]),
+        ] {
+            for (rational, far) in [(false, 0.0), (true, 0.0), (false, 1e4), (true, 1e4)] {
+                let [u, v] = degree.map(|degree| {
+                    let mut values = vec![0.0; degree + 1];
+                    values.extend([0.3, 0.45]);
+                    values.extend(vec![1.0; degree + 1]);
+                    KnotVector::new(degree, values).unwrap()
+                });
+                let columns = q + 3;
+                let control = (0..(p + 3) * columns).map(|k| {
+                    let (x, y) = ((k / columns) as f64, (k % columns) as f64);
+                    let weight = if rational { 1.0 + 0.4 * (x + 2.0 * y).sin() } else { 1.0 };
+                    (weight * (DVec3::new(x, y, (x * y).cos()) + far)).extend(weight)
+                });
+                let plain = NurbsSurface::from_homogeneous(u, v, control.collect()).unwrap();
+                let elevated = plain.elevated_u(in_u).unwrap().elevated_v(in_v).unwrap();
+                let told = format!("{degree:?}, {times:?} times, {rational}, {far}");
+                assert_eq!(least_degree_of(plain), degree, "{told}");
+                assert_eq!(least_degree_of(elevated.clone()), degree, "{told}");
+
+                // Anything more than rounding needs the whole degree.
+                let mut control = elevated.control().to_vec();
+                control[0].x += 1e-12 * (10.0 + far);
+                let [u, v] = [elevated.knots_u(), elevated.knots_v()].map(KnotVector::clone);
+                let degree = [p + in_u, q + in_v];
+                let moved = NurbsSurface::from_homogeneous(u, v, control).unwrap();
+                let (set, _) = PatchSet::new(&[moved]).unwrap();
+                assert_eq!(set.pieces()[0].patch.sums_degree(), degree, "{told}");
+            }
+        }
+    }
+
+    #[test]
+    fn half_circles_are_quadratic() {
+        let sphere = || shapes::sphere(0.7).unwrap();
+        assert_eq!(sphere().knots_u().degree(), 3);
+        assert_eq!(least_degree_of(sphere()), [2, 2]);
+        let turned = DAffine3::from_rotation_translation(
+            DQuat::from_axis_angle(DVec3::new(1.0, 2.0, -2.0) / 3.0, 0.9),
+            DVec3::new(-30.0, 4.0, 100.0),
+        );
+        assert_eq!(least_degree_of(sphere().transformed(&turned).unwrap()), [2, 2]);
     }
 
     #[test]

@@ -110,6 +110,12 @@ impl TensorPatch {
         self.net.sums_source(self.first)
     }
 
+    /// The degrees of that net: those of the piece, or less, where they have been elevated.
+    #[inline(always)]
+    pub(crate) fn sums_degree(&self) -> [usize; 2] {
+        self.net.sums_degree()
+    }
+
     /// Whether that net is in power form, of `2 s − 1` and `2 t − 1`, not in Bernstein form.
     #[inline(always)]
     pub(crate) fn sums_by_powers(&self) -> bool {
@@ -138,7 +144,7 @@ impl TensorPatch {
             NetSource::Kept(net) => net,
             NetSource::Spline(spline) => spline.points(),
         };
-        for i in 0..=self.degree()[0] {
+        for i in 0..=self.sums_degree()[0] {
             let row = net.row(i);
             prefetch(&row[0]);
             prefetch(&row[row.len() - 1]);

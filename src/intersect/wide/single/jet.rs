@@ -21,7 +21,7 @@ impl<S: Simd, const P: usize, const Q: usize, const C: usize, const N: usize> Su
 {
     #[inline(always)]
     fn at(simd: S, OneNet { patch, net }: &OneNet<'_>, s: f64, t: f64) -> [f64x4<S>; 3] {
-        let [p, q] = if P == 0 { patch.degree() } else { [P, Q] };
+        let [p, q] = if P == 0 { patch.sums_degree() } else { [P, Q] };
         let (x, y) = (f64x4::splat(simd, s + s - 1.0), f64x4::splat(simd, t + t - 1.0));
         let zero = f64x4::splat(simd, 0.0);
         // Rows do not wait for each other.
@@ -53,7 +53,7 @@ pub(super) struct Bernstein<const N: usize, const C: usize>;
 impl<S: Simd, const N: usize, const C: usize> Sums<S> for Bernstein<N, C> {
     #[inline(always)]
     fn at(simd: S, OneNet { patch, net }: &OneNet<'_>, s: f64, t: f64) -> [f64x4<S>; 3] {
-        let [p, q] = patch.degree();
+        let [p, q] = patch.sums_degree();
         let mut bases = [Basis::<N>::ZERO; 2];
         bases[0].fill(p, s);
         bases[1].fill(q, t);

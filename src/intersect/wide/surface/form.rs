@@ -4,7 +4,7 @@
 use crate::math::bernstein;
 use crate::patch::{MOST_DEGREE_BY_POWERS, TensorPatch};
 
-/// The degrees of a piece, whether its weights differ, and whether its sums are made by powers.
+/// The degrees of a piece's sums, whether its weights differ, and whether its sums are made by powers.
 /// Pieces of one form can be searched side by side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Form {
@@ -29,14 +29,14 @@ impl Form {
     /// The form of a piece.
     #[inline(always)]
     pub(crate) fn of(patch: &TensorPatch) -> Self {
-        let degree = patch.degree().map(|degree| degree as u8);
+        let degree = patch.sums_degree().map(|degree| degree as u8);
         Self { degree, rational: patch.is_rational(), by_powers: patch.sums_by_powers() }
     }
 
     /// The form of a piece, if pairs can have it.
     #[inline(always)]
     pub(crate) fn of_pairs(patch: &TensorPatch) -> Option<Self> {
-        let [p, q] = patch.degree();
+        let [p, q] = patch.sums_degree();
         (p.max(q) <= MOST_DEGREE).then(|| Self::of(patch))
     }
 

@@ -121,9 +121,16 @@ mod tests {
     use crate::math::testing::same_cases;
     use crate::patch::{PatchSet, TensorPatch};
 
-    /// A net of some degrees, more or less wild: its points are within one of the origin, its
-    /// weights within a factor.
+    /// A net of some degrees, more or less wild, perhaps elevated once: its points are within one of
+    /// the origin, its weights within a factor.
     fn nets() -> impl Strategy<Value = NurbsSurface> {
+        (plain_nets(), any::<[bool; 2]>()).prop_map(|(net, elevated)| {
+            let [in_u, in_v] = elevated.map(usize::from);
+            net.elevated_u(in_u).unwrap().elevated_v(in_v).unwrap()
+        })
+    }
+
+    fn plain_nets() -> impl Strategy<Value = NurbsSurface> {
         let weights = prop_oneof![Just(1.0), 1.0..15.9f64];
         let degrees = (1usize..=8, 1usize..=8, weights, prop_oneof![Just(1.0), 0.0..0.3f64]);
         degrees.prop_flat_map(|(p, q, factor, wildness)| {
@@ -200,6 +207,7 @@ mod tests {
         let places = prop::array::uniform8(place);
         // Of degrees up to three, and of higher ones.
         let by_powers = [Cell::new(0), Cell::new(0)];
+        let lowered = Cell::new(0);
         let config = ProptestConfig { max_shrink_iters: 200, ..same_cases(600) };
         proptest!(config, |(surface in nets(), places in places)| {
             // The bounds are those of points on the piece, whose weight is no less than the least
@@ -215,6 +223,7 @@ mod tests {
             prop_assert!(!patch.sums_by_powers() || p.max(q) <= 7);
             let counted = &by_powers[usize::from(p.max(q) > 3)];
             counted.set(counted.get() + u32::from(patch.sums_by_powers()));
+            lowered.set(lowered.get() + u32::from(patch.sums_degree() != [p, q]));
             let [point, first, second] = off(patch, &places);
             // Both have errors; half of the promise is left for other things.
             let bound = patch.error_bound(0.0);
@@ -224,5 +233,6 @@ mod tests {
         });
         let [low, high] = by_powers.map(Cell::into_inner);
         assert!(low > 40 && high > 100, "{low} and {high} of 600");
+        assert!(lowered.get() > 100, "{} of 600", lowered.get());
     }
 }
