@@ -55,7 +55,7 @@ pub struct Leaf {
     /// `T / M`, with `M` as kept in `fit_bend`.
     fit_third: Up8,
     stretch: Up16,
-    /// [`TRIMMED`], [`FLAT`] and [`AT_BORDER`].
+    /// [`TRIMMED`], [`FLAT`], [`AT_BORDER`] and [`BIQUADRATIC`].
     marks: u8,
 }
 
@@ -101,6 +101,7 @@ impl Leaf {
         let mut sides = RectSide::ALL.into_iter();
         let is_at_border = sides.any(|side| leaf.near_border(piece, side).is_some());
         leaf.marks |= if is_at_border { AT_BORDER } else { 0 };
+        leaf.marks |= if bicubic::is_biquadratic(&leaf.fit, &weight) { BIQUADRATIC } else { 0 };
         leaf.stretch = Up16::above(stretch(&leaf, &weight, &part_net, piece, &error));
         (leaf, weight, oriented)
     }
@@ -172,6 +173,12 @@ impl Leaf {
     #[inline(always)]
     pub(crate) fn is_flat(&self) -> bool {
         self.marks & FLAT != 0
+    }
+
+    /// Whether the approximation has no terms of degree three in `x` or `y`.
+    #[inline(always)]
+    pub(crate) fn is_biquadratic(&self) -> bool {
+        self.marks & BIQUADRATIC != 0
     }
 
     /// Whether hits on the leaf may be within rounding of a border of the surface: see
@@ -309,10 +316,12 @@ fn stretch(
 /// flat.
 const MOST_BEND_OF_FLAT: f64 = 1e-6;
 
-/// The marks of leaves: see [`Leaf::is_trimmed`], [`Leaf::is_flat`] and [`Leaf::is_at_border`].
+/// The marks of leaves: see [`Leaf::is_trimmed`], [`Leaf::is_flat`], [`Leaf::is_at_border`] and
+/// [`Leaf::is_biquadratic`].
 const TRIMMED: u8 = 1;
 const FLAT: u8 = 2;
 const AT_BORDER: u8 = 4;
+const BIQUADRATIC: u8 = 8;
 
 /// Leaves that are stretched less than [`WELL_STRETCHED`] need no second look, nor do those that
 /// are less than [`LONG`] times as long as wide.

@@ -17,6 +17,12 @@ pub(super) const NO_WEIGHT: WeightFit = {
     weight
 };
 
+/// Whether all terms of degree three in `x` or `y` are zero.
+pub(super) fn is_biquadratic(fit: &Fit, weight: &WeightFit) -> bool {
+    let rows = fit.iter().chain([weight]).flat_map(|of| of.iter().enumerate());
+    rows.filter(|(m, _)| m / 4 == 3 || m % 4 == 3).all(|(_, &term)| term == 0.0)
+}
+
 /// The second derivatives of a quotient in the middle, where its numerators are zero and its weight
 /// is 1: by `xx`, `xy` and `yy`, from the coefficients of these and of `x` and `y`.
 #[inline(always)]

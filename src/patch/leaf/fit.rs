@@ -100,6 +100,11 @@ impl Quotient {
                 coefficients[i][j] = column[i];
             }
         }
+        // Terms that are as good as zero, where the degree was elevated.
+        let [least_p, least_q] = piece.patch.sums_degree();
+        for (i, row) in coefficients.iter_mut().enumerate() {
+            row[if i > least_p { 0 } else { least_q + 1 }..].fill(DVec4::ZERO);
+        }
         let middle = euclidean(coefficients[0][0]);
         let inverse = 1.0 / coefficients[0][0].w;
         let mut noise = 4.0 * piece.patch.noise();
