@@ -307,6 +307,39 @@ fn origins_moved_off_a_grazing_hit_meet_it_again() {
     }
 }
 
+/// Two sheets one above the other, far nearer to each other than a grazing ray to the lower one can
+/// tell where it meets it, beside their borders: a ray upwards from there meets the upper one.
+#[test]
+fn a_sheet_close_above_a_grazing_hit_at_a_border_is_not_lost() {
+    for (cosine, gap) in [(1e-2, 1e-13), (1e-4, 1e-11), (1e-6, 1e-9), (1e-8, 1e-7)] {
+        let sheet = |z: f64| {
+            let plane = shapes::plane(1.0, 1.0).unwrap();
+            plane.transformed(&DAffine3::from_translation(z * DVec3::Z)).unwrap()
+        };
+        let bvh = SurfaceBvh::build(&[sheet(0.0), sheet(gap)]).unwrap();
+        for inside in [0.0, 0.1 * gap, gap, 10.0 * gap, 1e3 * gap] {
+            let target = DVec3::new(0.5 - inside, 0.1, 0.0);
+            let along = DVec3::new(0.0, 1.0, cosine);
+            let seen = Query::primary(Ray::new(target - along, along).unwrap());
+            for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+                let mut tracer = bvh.tracer_with(kernel);
+                let start = tracer.first_hit(&seen).hit.unwrap();
+                assert_eq!(start.surface, 0);
+                let up = Query::leaving(Ray::new(start.point, DVec3::Z).unwrap(), &start);
+                let (mut answers, mut any) = (vec![tracer.first_hit(&up)], Vec::new());
+                tracer.first_hits(&[up; 2], Coherence::Incoherent, &mut answers);
+                tracer.first_hits(&[up; 2], Coherence::Coherent, &mut answers);
+                tracer.occlusions(&[up; 2], Coherence::Coherent, &mut any);
+                for answer in answers {
+                    let met = answer.hit.is_some_and(|hit| hit.surface == 1);
+                    assert!(met || answer.doubtful, "{kernel}, {cosine}, {inside}: {answer:?}");
+                }
+                assert!(any.iter().all(|any| any.occluded || any.doubtful), "{kernel}, {cosine}");
+            }
+        }
+    }
+}
+
 /// A lens of three surfaces, whose normals point outward, and the points of its two edges.
 fn lens(moved: &DAffine3) -> (SurfaceBvh, impl Fn(f64, bool) -> DVec3) {
     let turned = |profile: &NurbsCurve| construct::revolve(profile, &Axis::Z, 360.0).unwrap();
