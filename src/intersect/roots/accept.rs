@@ -211,8 +211,8 @@ impl<'a> Candidate<'a> {
         let Self { question, z_error, cosine, flags, at_trims, edge, .. } = *self;
         let (z, point) = (self.on_ray.z, self.on_ray.spot.jet.point);
         // What lies on a trim edge may be as far from what is kept as is allowed there.
-        let reach = |off: f64| if at_trims { TRIM_REACH * off + edge } else { off };
-        let farthest = question.from.map_or(f64::NEG_INFINITY, |root| reach(z_error + root.error));
+        let most_off = question.from.map_or(f64::NEG_INFINITY, |root| z_error + root.error);
+        let farthest = if at_trims { TRIM_REACH * most_off + edge } else { most_off };
         let is_clear = flags.without(HitFlags::TRIM_EDGE).is_empty();
         if !(is_clear && z.abs() <= farthest) {
             return Ok(());
@@ -228,7 +228,7 @@ impl<'a> Candidate<'a> {
         if is_start(off, 0.0) && is_short(self.leaf, off) {
             return Err(Dropped::Surely);
         }
-        if is_start(reach(off), off) { Err(Dropped::InDoubt(0.0)) } else { Ok(()) }
+        if is_start(farthest, most_off) { Err(Dropped::InDoubt(0.0)) } else { Ok(()) }
     }
 
     /// Drops what lies outside the ray's range. At the ends of the range, and at trim edges that

@@ -67,7 +67,8 @@ pub(super) struct Start<'a> {
 }
 
 impl Start<'_> {
-    /// Whether the start is on a border or a trim edge, if it may be off by `more` than its error.
+    /// Whether the start is on a border or a trim edge, if it may be off by `more` than rounding: on
+    /// trims, by more than its error.
     pub(super) fn is_at_edge(&self, more: f64) -> bool {
         let Self { root, piece, ref jet, .. } = *self;
         let trim_reach = || trim_reach(jet, root.error + more);
