@@ -80,7 +80,7 @@ mod tests {
     use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
     use crate::geometry::{Surface, TrimmedSurface, shapes};
     use crate::intersect::wide::weighted_hills;
-    use crate::intersect::{Kernel, Query, SurfaceBvh};
+    use crate::intersect::{Coherence, Kernel, Query, SurfaceBvh};
     use crate::math::{Ray, SplitMix};
 
     /// A torus around hills, a sheet with a hole, and a sphere so small that it is searched in
@@ -97,6 +97,40 @@ mod tests {
             shapes::sphere(1e-6).unwrap().transformed(&raised).unwrap().into(),
         ];
         SurfaceBvh::build(&surfaces).unwrap()
+    }
+
+    /// Error bounds follow from the degrees that a surface has, not from those of its sums.
+    #[test]
+    fn errors_of_elevated_surfaces_are_the_same_in_streams_and_alone() {
+        let plain = shapes::plane(2.0, 2.0).unwrap();
+        let elevated = plain.elevated_u(4).unwrap().elevated_v(2).unwrap();
+        let turned = DAffine3::from_rotation_x(0.3);
+        let surfaces = [plain, elevated.transformed(&turned).unwrap()];
+        let bvh = SurfaceBvh::build(&surfaces).unwrap();
+        assert_eq!(bvh.patches().pieces()[1].patch.sums_degree(), [1, 1]);
+        let mut random = SplitMix::new(8);
+        let mut between = |low: f64, high: f64| low + (high - low) * random.unit();
+        let queries = (0..200).map(|_| {
+            let mut point = |size: f64| DVec3::from_array([(); 3].map(|()| between(-size, size)));
+            let (from, target) = (point(9.0), point(0.9));
+            Query::primary(Ray::new(from, target - from).unwrap())
+        });
+        let queries: Vec<Query> = queries.collect();
+        for kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            let mut tracer = bvh.tracer_with(*kernel);
+            let mut answers = Vec::new();
+            tracer.first_hits(&queries, Coherence::Incoherent, &mut answers);
+            let mut met = [0; 2];
+            for (query, answer) in queries.iter().zip(answers) {
+                let hits = [answer.hit, tracer.first_hit(query).hit];
+                let [Some(one), Some(other)] = hits else { continue };
+                assert_eq!(one.surface, other.surface);
+                met[one.surface as usize] += 1;
+                let ratio = one.root.error / other.root.error;
+                assert!((ratio - 1.0).abs() < 1e-6, "{kernel}: {ratio}");
+            }
+            assert!(met.iter().all(|met| *met > 30), "{met:?}");
+        }
     }
 
     #[test]

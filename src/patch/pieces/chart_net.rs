@@ -186,11 +186,9 @@ impl ChartNet {
                 bezier.extend((0..=p).flat_map(|i| net.points(i)));
                 let by_powers = powers::net_of(self.degree, &bezier);
                 let needed = match &by_powers {
-                    // No chart has less than all of its pieces.
+                    // The full degree is needed already.
                     Some(_) if least == self.degree => self.degree,
-                    Some(net) => {
-                        powers::least_degree(self.degree, (net, &bezier), self.residual_factor)
-                    }
+                    Some(net) => powers::least_degree(self.degree, net, &bezier),
                     None => {
                         others.push([row, column]);
                         self.degree
@@ -205,6 +203,7 @@ impl ChartNet {
         // So that four can be read at any point.
         numbers.push(0.0);
         let mut powers = KeptPowers { numbers, degree: self.degree, others: Others(others) };
+        // Not if there are others.
         if least != self.degree {
             powers.lower(least, size);
         }

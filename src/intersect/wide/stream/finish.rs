@@ -24,7 +24,7 @@ impl PairLanes {
         near: &[f64x8<S>; 2],
     ) -> Outcomes {
         let widened = f64x8::splat(simd, WIDENED);
-        let error = self.error(simd, frames, half, self.net.form);
+        let error = self.error(simd, frames, half);
         let rays = PairRays { frames, normals, error };
         let sides = [eight(simd, &self.half[0], half), eight(simd, &self.half[1], half)];
         let middle = [eight(simd, &self.middle[0], half), eight(simd, &self.middle[1], half)];

@@ -21,8 +21,8 @@ use crate::intersect::wide::surface::form::Form;
 use crate::intersect::wide::surface::lane_net::LaneNet;
 use crate::intersect::wide::vectors::{dot_d, lane_bits};
 use crate::intersect::wide::view::{BvhView, Fitted};
+use crate::math::Ray;
 use crate::math::bits::half_of_sixteen;
-use crate::math::{Ray, rounding};
 use crate::patch::{Leaf, Piece};
 
 /// A ray, and a leaf whose certificate holds for it.
@@ -52,6 +52,9 @@ pub(super) struct PairLanes {
     pub(super) third: Lanes,
     /// See [`Guess::clearance`].
     pub(super) clearance: Lanes,
+    /// See [`TensorPatch::residual_factor`](crate::patch::TensorPatch::residual_factor), and the
+    /// largest coordinate of the piece.
+    residual_factor: Lanes,
     magnitude: Lanes,
     fit_error: [f32; LANES],
     /// Error bounds of the roots that rays start on.
@@ -93,6 +96,7 @@ impl Default for PairLanes {
             bend: lanes,
             third: lanes,
             clearance: lanes,
+            residual_factor: lanes,
             magnitude: lanes,
             fit_error: [0.0; LANES],
             from_error: lanes,
@@ -147,8 +151,7 @@ impl PairLanes {
         let farthest = near[0].abs().max(near[1].abs());
         let outside = wanted & !lane_bits(farthest.simd_lt(widened));
         if outside != 0 {
-            all.unconverged =
-                outside & !self.missed(simd, outside, &leaves, first.form, &halves, &normals);
+            all.unconverged = outside & !self.missed(simd, outside, &leaves, &halves, &normals);
             wanted &= !outside;
         }
         for half in 0..2 {
@@ -177,7 +180,6 @@ impl PairLanes {
         simd: S,
         asked: u32,
         leaves: &[Fitted<'_>; LANES],
-        form: Form,
         halves: &[Frames<S>; 2],
         normals: &[[[f64x8<S>; 3]; 2]; 2],
     ) -> u32 {
@@ -198,8 +200,8 @@ impl PairLanes {
             }
             terms = terms.max(sum);
         }
-        let low = self.error(simd, &halves[0], 0, form);
-        let high = self.error(simd, &halves[1], 1, form);
+        let low = self.error(simd, &halves[0], 0);
+        let high = self.error(simd, &halves[1], 1);
         let above = f32x16::splat(simd, (1.0 + f32::EPSILON) * leaves[0].heaviest());
         let error = simd.narrow_f64x8(low, high) * above;
         let noise = terms * f32x16::splat(simd, DISTANCE_ROUNDING);
@@ -211,15 +213,8 @@ impl PairLanes {
 
     /// Error bounds of points' distances from eight rays.
     #[inline(always)]
-    pub(super) fn error<S: Simd>(
-        &self,
-        simd: S,
-        frames: &Frames<S>,
-        half: usize,
-        form: Form,
-    ) -> f64x8<S> {
-        let [p, q] = form.degree();
-        let factor = f64x8::splat(simd, rounding::residual_factor(p, q));
+    pub(super) fn error<S: Simd>(&self, simd: S, frames: &Frames<S>, half: usize) -> f64x8<S> {
+        let factor = eight(simd, &self.residual_factor, half);
         factor * frames.magnitude.max(eight(simd, &self.magnitude, half))
     }
 
@@ -261,6 +256,7 @@ impl PairLanes {
         self.bend[lane] = f64::from(leaf.fit_bend());
         self.third[lane] = leaf.fit_third();
         self.clearance[lane] = guess.clearance;
+        self.residual_factor[lane] = piece.patch.residual_factor();
         self.magnitude[lane] = piece.patch.magnitude();
         self.fit_error[lane] = leaf.fit_error();
     }

@@ -4,8 +4,9 @@
 use crate::math::bernstein;
 use crate::patch::{MOST_DEGREE_BY_POWERS, TensorPatch};
 
-/// The degrees of a piece's sums, whether its weights differ, and whether its sums are made by powers.
-/// Pieces of one form can be searched side by side.
+/// The degrees of a piece's sums, whether its weights differ, and whether its sums are made by
+/// powers. Pieces of one form can be searched side by side. Their own degrees, and so their error
+/// bounds, may differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Form {
     degree: [u8; 2],
@@ -73,6 +74,7 @@ macro_rules! with_degrees {
             ([3, 3], true) => with_degrees!(@of $p = 3, $q = 3, $c = 4; $value),
             ([3, 3], false) => with_degrees!(@of $p = 3, $q = 3, $c = 3; $value),
             ([2, 2], true) => with_degrees!(@of $p = 2, $q = 2, $c = 4; $value),
+            ([2, 2], false) => with_degrees!(@of $p = 2, $q = 2, $c = 3; $value),
             ([2, 1], true) => with_degrees!(@of $p = 2, $q = 1, $c = 4; $value),
             ([1, 2], true) => with_degrees!(@of $p = 1, $q = 2, $c = 4; $value),
             ([1, 1], false) => with_degrees!(@of $p = 1, $q = 1, $c = 3; $value),
