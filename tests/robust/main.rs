@@ -12,6 +12,7 @@
 mod bodies;
 mod corners;
 mod creases;
+mod edges;
 mod far;
 mod halving;
 mod hard;
