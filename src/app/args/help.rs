@@ -343,9 +343,9 @@ not judged.
 Bounds: the tight boxes of the surfaces themselves, not of their control points
 or leaves, to 1e-12 of their size, or 1.5e-14 of the largest coordinate if that
 is more (1e-9 of the size where a surface touches its box along a curve askew to
-u and v). The box of a trimmed surface holds its leaves, as far
-as they lie in the rectangle of u and v around what is kept; leaves at an edge
-may reach beyond it.
+u and v). The box of a trimmed surface holds its leaves, as far as they lie in
+the rectangle of u and v around what is kept; leaves at an edge may reach beyond
+it.
 
 With --json one object:
   input, build_seconds

@@ -94,16 +94,13 @@ impl Quotient {
             *row = powers(q, *row);
         }
         let mut coefficients = [[DVec4::ZERO; 4]; 4];
-        for j in 0..=q {
+        // All others are as good as zero, where the degree was elevated.
+        let [least_p, least_q] = piece.patch.sums_degree();
+        for j in 0..=least_q {
             let column = powers(p, [net[0][j], net[1][j], net[2][j], net[3][j]]);
-            for i in 0..=p {
+            for i in 0..=least_p {
                 coefficients[i][j] = column[i];
             }
-        }
-        // Terms that are as good as zero, where the degree was elevated.
-        let [least_p, least_q] = piece.patch.sums_degree();
-        for (i, row) in coefficients.iter_mut().enumerate() {
-            row[if i > least_p { 0 } else { least_q + 1 }..].fill(DVec4::ZERO);
         }
         let middle = euclidean(coefficients[0][0]);
         let inverse = 1.0 / coefficients[0][0].w;

@@ -203,7 +203,7 @@ impl ChartNet {
         // So that four can be read at any point.
         numbers.push(0.0);
         let mut powers = KeptPowers { numbers, degree: self.degree, others: Others(others) };
-        // Not if there are others.
+        // Others need the full degree.
         if least != self.degree {
             powers.lower(least, size);
         }

@@ -40,8 +40,8 @@ pub(super) struct MadePowers {
 }
 
 impl KeptPowers {
-    /// Leaves out the powers beyond these degrees; `size` numbers belong to a point. There must be no
-    /// others: they need their degrees.
+    /// Leaves out the powers beyond these degrees; `size` numbers belong to a point. There must be
+    /// no others: they need their degrees.
     pub(super) fn lower(&mut self, degree: [usize; 2], size: usize) {
         debug_assert!(self.others.0.is_empty());
         let [p, q] = self.degree;

@@ -22,8 +22,8 @@ const MOST_REFINED: f32 = 0.25;
 #[repr(align(64))]
 pub(crate) struct LaneDistances {
     pub of: [[[f32; LANES]; 16]; 2],
-    /// Whether all terms of degree three in `x` or `y` are known to be zero: sums of nine terms
-    /// take three quarters of the time.
+    /// Whether all terms of degree three in `x` or `y` are known to be zero, so that nine of the
+    /// sixteen are enough.
     are_biquadratic: bool,
 }
 

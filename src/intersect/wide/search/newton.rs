@@ -133,8 +133,8 @@ struct Landed<S: Simd> {
 ///
 /// Steps use second derivatives, too (Chebyshev's method): they leave the third power of their
 /// length, and as the search in f32 ends within about 1e-5 half sides (in flat leaves the bend is
-/// small instead), as a rule the first step is the last. (One step with first derivatives alone, and another from where it leads, take longer
-/// than one with both.)
+/// small instead), as a rule the first step is the last. (One step with first derivatives alone, and
+/// another from where it leads, take longer than one with both.)
 #[inline(always)] // what goes in and out are dozens of vectors
 pub(crate) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
     simd: S,
