@@ -102,11 +102,11 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = values::crop)]
     pub(crate) crop: Option<PixelRect>,
 
-    /// Put the camera here; without --look-at it looks at the model's centre
+    /// Put the camera here [default: the scene's, else where all is seen]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point)]
     pub(crate) look_from: Option<DVec3>,
 
-    /// Point the camera here
+    /// Point the camera here [default: where the scene's looks, else the model's centre]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point)]
     pub(crate) look_at: Option<DVec3>,
 

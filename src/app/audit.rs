@@ -33,7 +33,7 @@ pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
     output::check(&outputs, &[&arguments.input])?;
     let scene = input::read_apart(&arguments.input, &outputs)?;
     let pool = threads::pool(None)?;
-    let (world, _) = pool.install(|| input::prepare(&scene))?;
+    let (world, _) = pool.install(|| input::prepare(&scene, false))?;
     input::warn_of_what_is_not_shown(&arguments.input, &scene);
     let surfaces: Vec<_> =
         world.surfaces().iter().map(|instance| instance.surface.clone()).collect();

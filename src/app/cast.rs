@@ -28,7 +28,7 @@ pub(crate) fn run(arguments: &CastArguments) -> Result<ExitCode, Failure> {
     let rays = read_rays(&arguments.rays).or_bad_input()?;
     let scene = input::read_apart(&arguments.input, &[&arguments.output])?;
     let pool = threads::pool(arguments.work.threads)?;
-    let (world, build) = pool.install(|| input::prepare(&scene))?;
+    let (world, build) = pool.install(|| input::prepare(&scene, arguments.quiet))?;
     input::warn_of_what_is_not_shown(&arguments.input, &scene);
 
     let tracing = Tracing {

@@ -37,7 +37,7 @@ use turns::Turned;
 /// Runs the subcommand.
 pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
     let scene = input::read(&arguments.input)?;
-    let (world, build) = input::prepare(&scene)?;
+    let (world, build) = input::prepare(&scene, false)?;
     let facts = Facts::new(&world);
     let surfaces: Vec<_> =
         world.surfaces().iter().map(|instance| instance.surface.clone()).collect();

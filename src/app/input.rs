@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use nurbray::io::load_input;
+use nurbray::io::{Quoted, load_input};
 use nurbray::scene::{Scene, World};
 
 use super::failure::{Failure, OrFail};
-use super::{console, output};
+use super::{console, output, progress};
 
 /// Reads a scene or a bare model.
 ///
@@ -32,7 +32,7 @@ pub(crate) fn warn_of_what_is_not_shown(path: &Path, scene: &Scene) {
     if let [first, others @ ..] = scene.notes.as_slice() {
         let more = match others.len() {
             0 => String::new(),
-            number => format!(", and {number} more (nurbray info {} lists all)", path.display()),
+            number => format!(", and {number} more (nurbray info {} lists all)", Quoted(path)),
         };
         console::warning(&format!("not imported: {first}{more}"));
     }
@@ -43,12 +43,16 @@ pub(crate) fn warn_of_nothing_seen(name: &str) {
     console::warning(&format!("{name}: the camera sees nothing of the model"));
 }
 
-/// Makes a scene ready to trace and returns how long that took.
+/// Makes a scene ready to trace and returns how long that took. If it takes long, and is not to be
+/// quiet, it says that it is still at it.
 ///
 /// # Errors
 /// When the scene cannot be built as its author wrote it: bad input.
-pub(crate) fn prepare(scene: &Scene) -> Result<(World, Duration), Failure> {
+pub(crate) fn prepare(scene: &Scene, quiet: bool) -> Result<(World, Duration), Failure> {
     let start = Instant::now();
-    let world = World::new(scene).or_bad_input()?;
-    Ok((world, start.elapsed()))
+    let world = match quiet {
+        true => World::new(scene),
+        false => progress::patiently("preparing the surfaces ...", || World::new(scene)),
+    };
+    Ok((world.or_bad_input()?, start.elapsed()))
 }

@@ -1,9 +1,10 @@
 //! The progress of the work: a bar on a terminal, a few plain lines elsewhere.
 
 use std::io::{self, IsTerminal};
-use std::sync::Arc;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
@@ -104,6 +105,21 @@ impl Progress {
         };
         format!("{}: {:.0} %,{rate} {left} left", self.what, 100.0 * share)
     }
+}
+
+/// Does work of which nobody knows how far it is; if it takes long, a line says what is being done.
+pub(crate) fn patiently<T>(what: &str, work: impl FnOnce() -> T) -> T {
+    let (working, end) = channel::<()>();
+    thread::scope(|scope| {
+        scope.spawn(move || {
+            if end.recv_timeout(PLAIN_INTERVAL) == Err(RecvTimeoutError::Timeout) {
+                console::say(what);
+            }
+        });
+        let result = work();
+        drop(working);
+        result
+    })
 }
 
 fn bar(what: &'static str, total: u64, rays: &Arc<AtomicU64>) -> ProgressBar {

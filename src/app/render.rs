@@ -39,7 +39,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     warn_of_what_is_lost(arguments, &pictures);
 
     let pool = threads::pool(arguments.work.threads)?;
-    let (world, _) = pool.install(|| input::prepare(&scene))?;
+    let (world, prepared) = pool.install(|| input::prepare(&scene, arguments.quiet))?;
     drop(pool); // rendering has threads of its own
     input::warn_of_what_is_not_shown(&arguments.input, &scene);
     warn_of_bright_materials(&scene);
@@ -68,6 +68,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     };
     write_all(&pictures, |picture| write(picture, &film, &world, (arguments, when)))?;
     if !arguments.quiet {
+        let took = [prepared, took];
         console::say(&format!("{}; wrote {}", summary(&film, took), output::listed(&paths)));
     }
     Ok(ExitCode::SUCCESS)
@@ -116,7 +117,6 @@ fn settings(
 fn override_camera(arguments: &RenderArguments, camera: &mut CameraSpec) -> Result<(), Failure> {
     if let Some(look_from) = arguments.look_from {
         camera.look_from = Some(look_from.into());
-        camera.look_at = None; // the centre, unless --look-at says otherwise
     }
     if let Some(look_at) = arguments.look_at {
         camera.look_at = Some(look_at.into());
@@ -234,13 +234,20 @@ fn command_line(arguments: impl Iterator<Item = OsString>) -> String {
 }
 
 /// Size, samples, time, speed, doubt.
-fn summary(film: &Film, took: Duration) -> String {
+/// What was drawn, in a line. `took` is the time of preparing and of tracing; the former is told if
+/// somebody may have wondered about it.
+fn summary(film: &Film, took: [Duration; 2]) -> String {
     let (settings, counters) = (film.settings(), film.counters());
     let (width, height) = settings.size;
-    let seconds = took.as_secs_f64();
+    let [prepared, seconds] = took.map(|took| took.as_secs_f64());
+    let after = if prepared < 1.0 {
+        String::new()
+    } else {
+        format!(" after {} of preparing", duration(prepared))
+    };
     let crop = settings.crop.map_or_else(String::new, |crop| format!(" (crop {crop})"));
     format!(
-        "{width}x{height}{crop}, {} spp, {}, {:.3} Mrays/s, {} doubtful of {}",
+        "{width}x{height}{crop}, {} spp, {}{after}, {:.3} Mrays/s, {} doubtful of {}",
         settings.samples.len(),
         duration(seconds),
         counters.rays as f64 / seconds.max(f64::MIN_POSITIVE) * 1e-6,

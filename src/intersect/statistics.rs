@@ -4,6 +4,7 @@ use std::ops::AddAssign;
 
 /// Counts of the work done by a [`Tracer`](super::Tracer).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Statistics {
     /// Rays asked about.
     pub rays: u64,

@@ -308,12 +308,15 @@ mod tests {
         );
         assert_eq!(
             message(b"PK\x03\x04 something else"),
-            "rays.npy: not a NumPy .npy file: it does not begin with \\x93NUMPY"
+            "rays.npy: not a NumPy .npy file: it does not begin with \\x93NUMPY (of an .npz archive, \
+             numpy.load and numpy.save make one)"
         );
+        assert!(message(b"\x00 something else").ends_with("it does not begin with \\x93NUMPY"));
         // However short it is.
         for text in ["h", "hello", "hello, world"] {
             assert!(
-                message(text.as_bytes()).ends_with("it does not begin with \\x93NUMPY"),
+                message(text.as_bytes())
+                    .ends_with("\\x93NUMPY (of a text, numpy.loadtxt and numpy.save make one)"),
                 "{text}"
             );
         }

@@ -20,6 +20,18 @@ const MAX_DEPTH: usize = 8;
 /// The most numbers in a file (8 TB of them): a header that gives more is damaged.
 const MAX_COUNT: u64 = 1 << 40;
 
+/// What to do about a file that begins like this, where it is known.
+fn instead_of(start: &[u8]) -> &'static str {
+    let is_text = |byte: &u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();
+    if start.starts_with(b"PK") {
+        " (of an .npz archive, numpy.load and numpy.save make one)"
+    } else if start.iter().all(is_text) {
+        " (of a text, numpy.loadtxt and numpy.save make one)"
+    } else {
+        ""
+    }
+}
+
 /// Reads the header; returns it with its length in bytes.
 ///
 /// The parser in use trusts the header's length, its nesting and the product of its sizes,
@@ -39,7 +51,7 @@ pub(super) fn read_header(
     stream.take(8).read_to_end(&mut bytes).map_err(short)?;
     let magic = &bytes[..bytes.len().min(MAGIC.len())];
     if !MAGIC.starts_with(magic) {
-        return Err(wrong("it does not begin with \\x93NUMPY"));
+        return Err(wrong(&format!("it does not begin with \\x93NUMPY{}", instead_of(&bytes))));
     }
     if bytes.len() < 8 {
         return Err(short(io::ErrorKind::UnexpectedEof.into()));

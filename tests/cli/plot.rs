@@ -230,6 +230,11 @@ fn what_cannot_be_plotted_is_told_with_its_place() {
             "plot \"A\": basis: 2 points of degree 2: at least 3 are needed",
         ),
         (
+            "{ basis = { degree = 2, count = 0, knots = \"uniform\", support = true } }",
+            "3:44",
+            "plot \"A\": basis: no control points: at least 1 is needed",
+        ),
+        (
             "{ basis = { degree = 1, weights = [1, 0, 0, 1] } }",
             "3:42",
             "plot \"A\": basis: the weights of all control points that matter at t = 0.3333333333333333 are 0: one must be positive",

@@ -242,6 +242,20 @@ fn look_from_alone_looks_at_the_centre() {
 }
 
 #[test]
+fn a_camera_that_is_moved_still_looks_where_the_scene_says() {
+    let camera = "[camera]\nlook_from = [1, -9, 0]\nlook_at = [1, 0, 0]\n";
+    let scene = format!("{camera}{SPHERE}");
+    let sandbox = Sandbox::with(&[("aside.toml", &scene)]);
+    let line = "render aside.toml -o moved.png --look-from 1,-3,0";
+    sandbox.run(line).succeeded();
+    sandbox.run(&format!("{line} --look-at 1,0,0 -o same.png")).succeeded();
+    sandbox.run(&format!("{line} --look-at 0,0,0 -o other.png")).succeeded();
+    let picture = |name: &str| sandbox.bytes(name);
+    assert_eq!(picture("moved.png"), picture("same.png"));
+    assert_ne!(picture("moved.png"), picture("other.png"));
+}
+
+#[test]
 fn wrong_outputs_are_refused_before_anything_is_read() {
     let sandbox = sandbox();
     std::fs::create_dir(sandbox.path("folder.png")).unwrap();

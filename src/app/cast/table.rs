@@ -10,10 +10,10 @@ pub(super) const ALL_COLUMNS: usize = COLUMNS + 1;
 
 /// The row of a ray's first hit, or of its miss.
 pub(super) fn first_row(answer: &Answer) -> [f64; COLUMNS] {
-    let doubt = if answer.doubtful { HitFlags::DOUBTFUL } else { HitFlags::NONE };
     match &answer.hit {
-        Some(hit) => row(hit, hit.flags.with(doubt)),
-        None => no_hit(doubt),
+        Some(hit) => row(hit, hit.flags), // flagged if the answer is doubtful
+        None if answer.doubtful => no_hit(HitFlags::DOUBTFUL),
+        None => no_hit(HitFlags::NONE),
     }
 }
 
@@ -22,13 +22,10 @@ pub(super) fn first_row(answer: &Answer) -> [f64; COLUMNS] {
 pub(super) fn all_rows(
     index: usize,
     hits: &[Hit],
-    doubtful: Doubt,
+    doubtful: bool,
 ) -> impl Iterator<Item = [f64; ALL_COLUMNS]> {
     let own = hits.iter().any(|hit| hit.flags.contains(HitFlags::DOUBTFUL));
-    let doubt = match doubtful {
-        Doubt::Open if !own => HitFlags::DOUBTFUL,
-        _ => HitFlags::NONE,
-    };
+    let doubt = if doubtful && !own { HitFlags::DOUBTFUL } else { HitFlags::NONE };
     let alone = (hits.is_empty() && !doubt.is_empty()).then(|| no_hit(doubt));
     let rows = hits.iter().map(move |hit| row(hit, hit.flags.with(doubt)));
     rows.chain(alone).map(move |row| {
@@ -36,15 +33,6 @@ pub(super) fn all_rows(
         numbered[1..].copy_from_slice(&row);
         numbered
     })
-}
-
-/// Whether a ray's answer leaves something open.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Doubt {
-    /// All hits were found, and none is false.
-    None,
-    /// Floating point could not decide.
-    Open,
 }
 
 fn row(hit: &Hit, flags: HitFlags) -> [f64; COLUMNS] {

@@ -1,11 +1,11 @@
 //! Traces rays into rows on all threads of the current pool, in the order of the rays.
 
-use nurbray::intersect::{Coherence, HitFlags, Kernel, Query, SurfaceBvh};
+use nurbray::intersect::{Coherence, Kernel, SurfaceBvh};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
 use super::super::progress::Progress;
-use super::table::{ALL_COLUMNS, COLUMNS, Doubt, all_rows, first_row};
+use super::table::{ALL_COLUMNS, COLUMNS, all_rows, first_row};
 
 /// Rays a thread takes at a time. Fixed, so that neither packets nor hits depend on the number
 /// of threads; a few milliseconds' work.
@@ -56,10 +56,10 @@ pub(super) fn first_hits(
     rays: &[Ray],
     progress: &Progress,
 ) -> Traced<COLUMNS> {
-    let parts = rays.par_chunks(CHUNK).with_max_len(1).map(|rays| {
-        let mut tracer = tracing.bvh.tracer_with(tracing.kernel);
-        let mut answers = Vec::new();
-        tracer.first_hits(rays, tracing.coherence, &mut answers);
+    let tools = || (tracing.bvh.tracer_with(tracing.kernel), Vec::new());
+    let chunks = rays.par_chunks(CHUNK).with_max_len(1);
+    let parts = chunks.map_init(tools, |(tracer, answers), rays| {
+        tracer.first_hits(rays, tracing.coherence, answers);
         progress.add_rays(rays.len() as u64);
 
         Traced {
@@ -77,17 +77,15 @@ pub(super) fn all_hits(
     rays: &[Ray],
     progress: &Progress,
 ) -> Traced<ALL_COLUMNS> {
-    let parts = rays.par_chunks(CHUNK).with_max_len(1).enumerate().map(|(chunk, rays)| {
-        let mut tracer = tracing.bvh.tracer_with(tracing.kernel);
-        let mut hits = Vec::new();
+    let tools = || (tracing.bvh.tracer_with(tracing.kernel), Vec::new());
+    let chunks = rays.par_chunks(CHUNK).with_max_len(1).enumerate();
+    let parts = chunks.map_init(tools, |(tracer, hits), (chunk, rays)| {
         let mut part = Traced::new();
-        for (offset, &ray) in rays.iter().enumerate() {
-            let open = tracer.all_hits(&Query::primary(ray), &mut hits)
-                || hits.iter().any(|hit| hit.flags.contains(HitFlags::DOUBTFUL));
-            let doubt = if open { Doubt::Open } else { Doubt::None };
-            part.rows.extend(all_rows(chunk * CHUNK + offset, &hits, doubt));
+        for (offset, ray) in rays.iter().enumerate() {
+            let doubtful = tracer.all_hits(ray, hits);
+            part.rows.extend(all_rows(chunk * CHUNK + offset, hits, doubtful));
             part.hits += hits.len() as u64;
-            part.doubtful += u64::from(open);
+            part.doubtful += u64::from(doubtful);
         }
         progress.add_rays(rays.len() as u64);
         part

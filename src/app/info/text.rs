@@ -132,7 +132,8 @@ fn collapsed(surfaces: &[SurfaceFacts]) -> String {
         0 => "\nno collapsed edges\n".into(),
         number => {
             format!("\n{} (poles):\n", count(number as u64, "collapsed edge"))
-                + &table(&rows, &[0, 1, 2])
+                + &table(&rows[..number.min(LISTED)], &[0, 1, 2])
+                + &more(number)
         }
     }
 }

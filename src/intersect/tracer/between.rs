@@ -18,8 +18,9 @@ impl Tracer<'_> {
     /// whether it meets the surface at its end, so most of its answers are doubtful.)
     ///
     /// The answer is doubtful where that of the ray is, and where a ray that grazes the surface at
-    /// its end meets something else that may be in that surface's plane. Two hits at one place see
-    /// each other.
+    /// its end meets something else that may be in that surface's plane. So it is, as a rule,
+    /// between two hits on one plane: the ray runs in the surface. Two hits at one place see each
+    /// other.
     pub fn occluded_between(&mut self, from: &Hit, to: &Hit) -> Occlusion {
         let way = to.point - from.point;
         let Ok(ray) = Ray::new(from.point, way) else {
