@@ -20,9 +20,9 @@
 //! }
 //! ```
 //!
-//! Points are Euclidean (not multiplied by their weights), v fastest; weights may be left
-//! out, and are used whatever `rational` says. The reader also takes `data` as a single object,
-//! a surface without anything around it, and the flat variant
+//! Points are Euclidean (not multiplied by their weights), v fastest; weights may be left out, and
+//! are used whatever `rational` says (a note tells if it is false though they differ). The reader
+//! also takes `data` as a single object, a surface without anything around it, and the flat variant
 //! `{"surfaces": [{…, "control_points": [[x, y, z], …], "weights": […]}]}`.
 //!
 //! What is done with the rest:
@@ -33,13 +33,13 @@
 //! | `trims` | cut the surface, see below |
 //! | `reversed` | not applied: (u, v) and `S_u × S_v` stay as written, and a note says so |
 //! | `order`, of the file or of a surface | must begin with `v fastest`, else an error |
-//! | `count`, and `type` of `shape` and of trims | not used: what is there is read, and a note says where it is not what these say |
+//! | `count`, and `type` of `shape` and of trim curves | not used: what is there is read, and a note says where it is not what these say |
 //! | `type` of a surface, `id`, `delta`, `dimension`, `rational` | not used: what geomdl writes there changes no surface |
 //! | any other | not used, and a note a key says so |
 //!
 //! Each entry of `trims` (`{"count": …, "data": […]}`) is a closed loop in the surface's (u, v): a
-//! `spline`, a `freeform` polygon, or a `container` of such curves in turn. As in geomdl, the
-//! region inside a loop is cut off, or kept if the loop is `reversed`; without reversed loops the
+//! `spline`, a `freeform` polygon, or a `container` of such curves one after another. As in
+//! geomdl, the region inside a loop is cut off, or kept if the loop is `reversed`; without reversed loops the
 //! border of the domain is the outline. Loops must be nested so that holes lie in kept regions, and
 //! islands in holes.
 //!
@@ -152,6 +152,8 @@ struct Item<'a> {
     weights: Raw<'a>,
     #[serde(borrow)]
     trims: Raw<'a>,
+    #[serde(borrow)]
+    rational: Raw<'a>,
     #[serde(borrow)]
     reversed: Raw<'a>,
     #[serde(borrow)]
@@ -343,6 +345,12 @@ impl<'a> Reader<'a> {
         }
         let points = Written::new(points.value.points, points.place);
         let weights = weights.map(|raw| self.weights(raw)).transpose()?;
+        let differ = |weights: &[f64]| weights.iter().any(|weight| *weight != weights[0]);
+        let is_weighted = weights.as_ref().is_some_and(|weights| differ(&weights.value));
+        if is_weighted && item.rational.is_some() && !is_set(item.rational) {
+            let why = "\"rational\" is false, but its weights differ: they are used";
+            self.note(entry, "surface", why.to_owned());
+        }
         Ok(Some(Net { degree, knots, size, points, weights }))
     }
 

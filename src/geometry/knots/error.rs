@@ -42,6 +42,9 @@ pub enum KnotError {
         /// Their value.
         knot: f64,
     },
+    /// No control points, where one is enough.
+    #[error("no control points: at least 1 is needed")]
+    NoPoints,
     /// Fewer control points than a single span of a spline of this degree needs.
     #[error(
         "{} of degree {degree}: at least {} are needed",

@@ -105,11 +105,12 @@ fn what_is_left_out_is_noted() {
         "[[0, 1], [2, 3]]",
     );
     let trimmed = SURFACE.replace("\"degree_u\"", "\"reversed\": 1, \"degree_u\"");
+    let weighted = SURFACE.replace("\"degree_u\"", "\"rational\": false, \"degree_u\"");
     let text = format!(
-        "{{\"shape\": {{\"data\": [{curve},\n{volume},\n{points},\n{plane},\n{trimmed}]}}}}"
+        "{{\"shape\": {{\"data\": [{curve},\n{volume},\n{points},\n{plane},\n{trimmed},\n{weighted}]}}}}"
     );
     let model = model(&text);
-    assert_eq!(model.parts.len(), 1);
+    assert_eq!(model.parts.len(), 2);
     let notes: Vec<_> = model.notes.iter().map(ToString::to_string).collect();
     assert_eq!(
         notes,
@@ -120,6 +121,8 @@ fn what_is_left_out_is_noted() {
             "m.json:5:1: surface \"m/lid\": its points have 2 coordinates, surfaces in space need 3",
             "m.json:14:1: surface \"m/lid\": \"reversed\" left out: (u, v) and the normal stay as \
              written; reverse = true in a scene turns it",
+            "m.json:23:1: surface \"m/lid\": \"rational\" is false, but its weights differ: they are \
+             used",
         ]
     );
     assert_eq!(
@@ -490,8 +493,18 @@ fn trims_that_cannot_be_are_named() {
         ),
         (
             "[{\"type\": \"spline\"}]".to_owned(),
-            "m.json:3:28: surface \"m/lid\": trims: curve 0 is neither a spline (degree, knotvector, \
+            "m.json:3:28: surface \"m/lid\": trims: loop 0 is neither a spline (degree, knotvector, \
              control_points), nor points, nor a container (data)",
+        ),
+        (
+            "[{\"data\": [{\"points\": [[0, 0], [1, 0]]}, {\"data\": []}]}]".to_owned(),
+            "m.json:3:69: surface \"m/lid\": trims: loop 0, curve 1, is a container within a \
+             container, of which only splines and points are read",
+        ),
+        (
+            "[{\"data\": [{\"degree\": 1}]}]".to_owned(),
+            "m.json:3:38: surface \"m/lid\": trims: loop 0, curve 0, is neither a spline \
+             (degree, knotvector, control_points) nor points",
         ),
         (
             "{\"count\": 1}".to_owned(),

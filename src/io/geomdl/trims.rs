@@ -121,17 +121,18 @@ impl<'a> Reader<'a> {
                 if mistypes(keys.kind, "container") {
                     unused.insert(MISTYPED);
                 }
-                let each = items.into_iter().map(|raw| {
+                let each = items.into_iter().enumerate().map(|(curve, raw)| {
                     let Keyed(keys): Keyed<CurveKeys<'a>> = self.parse(raw.get())?;
                     if is_set(keys.reversed) {
                         unused.insert("\"reversed\" of a curve within \"data\" is left out");
                     }
-                    self.trim_curve(entry, (index, self.place(raw)), &keys, unused)
+                    self.trim_curve(entry, (index, Some(curve), self.place(raw)), &keys, unused)
                 });
                 each.collect::<Result<_, _>>()?
             }
             None => {
-                let mut curve = self.trim_curve(entry, (index, place.clone()), &keys, unused)?;
+                let mut curve =
+                    self.trim_curve(entry, (index, None, place.clone()), &keys, unused)?;
                 // Free-form points alone are a closed polygon, whether the last repeats the first
                 // or not.
                 if let CurveKind::Polyline(points) = &mut curve.kind {
@@ -144,10 +145,11 @@ impl<'a> Reader<'a> {
         Ok(LoopSpec { place, kind: LoopKind::Curves(curves), sense })
     }
 
+    /// The curve of a loop: the only one, or one of a container's.
     fn trim_curve(
         &self,
         entry: &Entry<'a>,
-        (index, place): (usize, Place),
+        (index, curve, place): (usize, Option<usize>, Place),
         keys: &CurveKeys<'a>,
         unused: &mut Unused,
     ) -> Result<CurveSpec, LoadError> {
@@ -172,10 +174,21 @@ impl<'a> Reader<'a> {
                 CurveKind::Polyline(self.in_plane(entry, points)?)
             }
             _ => {
-                let message = format!(
-                    "trims: curve {index} is neither a spline (degree, knotvector, \
-                     control_points), nor points, nor a container (data)"
-                );
+                let which = curve.map_or_else(String::new, |curve| format!(", curve {curve},"));
+                let what = match (keys.data, curve) {
+                    (Some(_), _) => {
+                        "is a container within a container, of which only splines and points are \
+                         read"
+                    }
+                    (None, Some(_)) => {
+                        "is neither a spline (degree, knotvector, control_points) nor points"
+                    }
+                    (None, None) => {
+                        "is neither a spline (degree, knotvector, control_points), nor points, \
+                         nor a container (data)"
+                    }
+                };
+                let message = format!("trims: loop {index}{which} {what}");
                 return Err(entry.malformed(place, &message));
             }
         };

@@ -79,11 +79,14 @@ impl PlottedBasis {
         }
     }
 
-    /// Whether a function is 0 everywhere: its knots are all equal, or its weight is 0.
+    /// Whether a function is 0 everywhere: its knots are all equal, or its weight is 0, or there is
+    /// none of that number.
     pub fn vanishes(&self, index: usize) -> bool {
         match &self.functions {
             PlottedFunctions::Polynomial(functions) => functions.vanishes(index),
-            PlottedFunctions::Rational(basis) => basis.weights()[index] == 0.0,
+            PlottedFunctions::Rational(basis) => {
+                basis.weights().get(index).is_none_or(|&weight| weight == 0.0)
+            }
         }
     }
 
@@ -192,7 +195,10 @@ impl BasisSpec {
             return Err(KnotError::BasisDegree { degree });
         }
         let closes = self.knots.value.are_closed();
-        if !closes && count < if self.support { 1 } else { degree + 1 } {
+        if !closes && self.support && count == 0 {
+            return Err(KnotError::NoPoints);
+        }
+        if !closes && !self.support && count < degree + 1 {
             return Err(KnotError::TooFewPoints { points: count, degree });
         }
         if let Some(knots) = self.listed().filter(|&knots| knots != count + degree + 1) {
