@@ -2,13 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use nurbray::io::{Quoted, check_writable};
+use nurbray::io::{Quoted, check_writable, end_of_links};
 use nurbray::scene::Scene;
 
 use super::failure::{Failure, OrFail};
-
-/// The most symbolic links that are followed one after the other: as many as Linux does.
-const MOST_LINKS: usize = 40;
 
 /// Refuses outputs that cannot be written, would overwrite an input, or each other.
 ///
@@ -156,7 +153,7 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
 fn is_same_place(a: &Path, b: &Path) -> bool {
     let is_device = |path: &Path| path.exists() && !path.is_file();
     let place = |path: &Path| -> Option<PathBuf> {
-        let path = followed(path);
+        let path = end_of_links(path);
         let folder = match path.parent() {
             Some(folder) if folder != Path::new("") => folder.canonicalize().ok()?,
             _ => Path::new(".").canonicalize().ok()?,
@@ -165,16 +162,6 @@ fn is_same_place(a: &Path, b: &Path) -> bool {
     };
     let is_one = || a == b || is_same_file(a, b) || place(a).is_some_and(|a| Some(a) == place(b));
     !is_device(a) && !is_device(b) && is_one()
-}
-
-/// Where a symbolic link leads, which may be to a file that does not exist; other paths as they are.
-fn followed(path: &Path) -> PathBuf {
-    let mut path = path.to_owned();
-    for _ in 0..MOST_LINKS {
-        let Ok(target) = path.read_link() else { break };
-        path = path.parent().map_or_else(|| target.clone(), |folder| folder.join(&target));
-    }
-    path
 }
 
 #[cfg(test)]

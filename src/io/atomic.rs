@@ -200,9 +200,12 @@ fn target(path: &Path) -> Result<Target, WriteError> {
     Ok(Target::File { path: file, folder, old })
 }
 
-/// The path at the end of a chain of links to a missing file; follows as many links as systems do.
-fn end_of_links(path: &Path) -> PathBuf {
-    const MOST_LINKS: usize = 40;
+/// The most symbolic links that are followed one after the other: as many as Linux follows.
+const MOST_LINKS: usize = 40;
+
+/// Where a chain of symbolic links leads, which may be to a file that does not exist; other paths
+/// as they are.
+pub fn end_of_links(path: &Path) -> PathBuf {
     let mut end = path.to_owned();
     for _ in 0..MOST_LINKS {
         let Ok(next) = fs::read_link(&end) else { break };

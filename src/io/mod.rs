@@ -64,7 +64,7 @@ pub mod scene_toml;
 mod source;
 
 pub use atomic::{
-    StagedFile, WriteError, check_writable, put_all_in_place, stage, write_atomically,
+    StagedFile, WriteError, check_writable, end_of_links, put_all_in_place, stage, write_atomically,
 };
 #[cfg(feature = "embree")]
 pub use embree::{Embree, EmbreeScene};
