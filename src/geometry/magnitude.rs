@@ -4,8 +4,9 @@ use glam::DVec3;
 
 use crate::math::rounding;
 
-/// The largest coordinate of a surface or a curve, and the largest weight of a surface. Bounds on
-/// normals and curvatures are products of up to four lengths, and must not overflow (at 1.8e308).
+/// The largest coordinate of a surface or a curve, and the largest weight of a control point.
+/// Bounds on normals and curvatures are products of up to four lengths, and must not overflow (at
+/// 1.8e308).
 pub const MAX_MAGNITUDE: f64 = 1e70;
 
 /// Whether a point can be a control point: no coordinate is NaN, or beyond [`MAX_MAGNITUDE`].
@@ -13,9 +14,15 @@ pub(crate) fn is_usable(point: DVec3) -> bool {
     point.abs().cmple(DVec3::splat(MAX_MAGNITUDE)).all() // false for NaN
 }
 
-/// The smallest size and the smallest weight of a surface. The same products must not underflow
-/// (at 2e-308).
+/// The smallest size of a surface, and the smallest weight of a control point. The same products
+/// must not underflow (at 2e-308).
 pub const MIN_MAGNITUDE: f64 = 1e-70;
+
+/// Whether a number can be the weight of a control point: from [`MIN_MAGNITUDE`] to
+/// [`MAX_MAGNITUDE`].
+pub fn is_usable_weight(weight: f64) -> bool {
+    (MIN_MAGNITUDE..=MAX_MAGNITUDE).contains(&weight) // false for NaN
+}
 
 /// Control points closer together than this, relative to their largest coordinate, cannot
 /// be told from one point whose coordinates were multiplied and divided by a weight.

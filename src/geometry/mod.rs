@@ -73,7 +73,7 @@ pub use knots::{
     MAX_DEGREE, Span,
 };
 pub(crate) use knots::{LEAST_AROUND, periodic_values};
-pub use magnitude::{MAX_MAGNITUDE, MIN_MAGNITUDE};
+pub use magnitude::{MAX_MAGNITUDE, MIN_MAGNITUDE, is_usable_weight};
 pub(crate) use polygon::{Extraction, Extractions};
 pub use polygon::{bernstein, de_casteljau, halves};
 pub use rect_side::RectSide;

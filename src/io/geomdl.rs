@@ -66,7 +66,7 @@ use super::LoadError;
 use super::keyed::Keyed;
 use super::message::explain;
 use super::source::Source;
-use crate::geometry::NurbsSurface;
+use crate::geometry::is_usable_weight;
 use crate::math::Counted;
 use crate::scene::{ImportNote, Knots, Net, Part, Place, Shape, Written};
 
@@ -357,7 +357,7 @@ impl<'a> Reader<'a> {
     /// The weights; their place is that of the first unusable one, if there is one.
     fn weights(&self, raw: &'a RawValue) -> Result<Written<Vec<f64>>, LoadError> {
         let weights: Vec<f64> = self.parse(raw.get())?;
-        let unusable = weights.iter().position(|weight| !NurbsSurface::usable_weight(*weight));
+        let unusable = weights.iter().position(|&weight| !is_usable_weight(weight));
         let place = match unusable {
             None => self.place(raw),
             Some(index) => {

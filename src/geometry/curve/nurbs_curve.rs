@@ -4,7 +4,7 @@ use glam::{DVec3, DVec4, Vec4Swizzles};
 
 use super::{CurveError, quotient};
 use crate::geometry::knots::{MAX_DEGREE, on_span};
-use crate::geometry::magnitude::{MAX_MAGNITUDE, MIN_MAGNITUDE, is_usable};
+use crate::geometry::magnitude::{is_usable, is_usable_weight};
 use crate::geometry::polygon::elevate;
 use crate::geometry::polygon::{merged, mix_by, refine, restrict, shares};
 use crate::geometry::{KnotError, KnotVector};
@@ -14,8 +14,8 @@ use crate::geometry::{KnotError, KnotVector};
 ///
 /// # Invariants, checked once on construction
 /// - there are as many control points as the knots ask for;
-/// - no coordinate is larger than [`MAX_MAGNITUDE`], all weights are positive, from
-///   [`MIN_MAGNITUDE`] to [`MAX_MAGNITUDE`].
+/// - no coordinate is larger than [`MAX_MAGNITUDE`](crate::geometry::MAX_MAGNITUDE), and all weights
+///   are [usable](is_usable_weight): positive, and neither too small nor too large.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NurbsCurve {
     knots: KnotVector,
@@ -67,8 +67,7 @@ impl NurbsCurve {
         }
         for (index, point) in control.iter().enumerate() {
             let weight = point.w;
-            let usable = (MIN_MAGNITUDE..=MAX_MAGNITUDE).contains(&weight); // false for NaN
-            if !usable {
+            if !is_usable_weight(weight) {
                 return Err(CurveError::Weight { index, weight });
             }
             let euclidean = point.xyz() / weight;

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::{CurveError, quotient};
 use crate::geometry::knots::BasisValues;
 use crate::geometry::knots::on_span;
-use crate::geometry::{KnotVector, MAX_DEGREE, MAX_MAGNITUDE, MIN_MAGNITUDE};
+use crate::geometry::{KnotVector, MAX_DEGREE, is_usable_weight};
 
 /// Rational B-spline basis functions `Rᵢ(t) = hᵢ Nᵢ(t) / S(t)`, `S = Σ hᵢ Nᵢ`.
 ///
@@ -14,8 +14,7 @@ use crate::geometry::{KnotVector, MAX_DEGREE, MAX_MAGNITUDE, MIN_MAGNITUDE};
 /// of its own in homogeneous space.
 ///
 /// # Invariants, checked once on construction
-/// - there are as many weights as the knots ask for, each 0 or from [`MIN_MAGNITUDE`] to
-///   [`MAX_MAGNITUDE`];
+/// - there are as many weights as the knots ask for, each 0 or [usable](is_usable_weight);
 /// - `S` is positive on all of the closed domain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RationalBasis {
@@ -33,9 +32,7 @@ impl RationalBasis {
             let (weights, points) = (weights.len(), knots.point_count());
             return Err(CurveError::WeightCount { weights, points });
         }
-        let usable = |weight: f64| {
-            weight == 0.0 || (MIN_MAGNITUDE..=MAX_MAGNITUDE).contains(&weight) // false for NaN
-        };
+        let usable = |weight: f64| weight == 0.0 || is_usable_weight(weight);
         if let Some(index) = weights.iter().position(|&weight| !usable(weight)) {
             return Err(CurveError::BasisWeight { index, weight: weights[index] });
         }

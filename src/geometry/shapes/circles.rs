@@ -11,7 +11,7 @@ use glam::DVec3;
 use super::arc::UnitArc;
 use crate::geometry::knots::unit_knots;
 use crate::geometry::{
-    CurveError, KnotVector, MAX_MAGNITUDE, MIN_MAGNITUDE, NurbsCurve, NurbsSurface,
+    CurveError, KnotVector, MAX_MAGNITUDE, MIN_MAGNITUDE, NurbsCurve, is_usable_weight,
 };
 
 /// How the quarter circle of degree 2 is weighted; `2 w₁² = w₀ w₂` makes it a circle.
@@ -93,7 +93,7 @@ impl QuarticConstants {
     /// is violated; the error says which and by how much.
     pub fn new([w1, w2]: [f64; 2], y1: f64, x2: f64) -> Result<Self, CurveError> {
         for (index, weight) in [(1, w1), (2, w2)] {
-            if !NurbsSurface::usable_weight(weight) {
+            if !is_usable_weight(weight) {
                 return Err(CurveError::Weight { index, weight });
             }
         }
@@ -349,7 +349,7 @@ mod tests {
         let heavy = QuarticConstants::solved(QuarticArc::Second, 1e60).unwrap_err();
         assert!(matches!(heavy, CurveError::Weight { index: 2, .. }), "{heavy}");
         let heavy = QuarticConstants::solved(QuarticArc::First, 1e70).unwrap().curve();
-        assert!(heavy.weights().all(NurbsSurface::usable_weight));
+        assert!(heavy.weights().all(is_usable_weight));
         let far = QuarticConstants::new([1.0, 1.0], 1e80, 0.75).unwrap_err();
         assert!(matches!(far, CurveError::Point { index: 1, .. }), "{far}");
         assert_eq!(

@@ -3,8 +3,8 @@
 use glam::{DVec3, DVec4, Vec4Swizzles};
 
 use super::SurfaceError;
-use crate::geometry::magnitude::{Extent, MAX_MAGNITUDE, MIN_MAGNITUDE, extent, is_usable};
-use crate::geometry::{Direction, KnotVector};
+use crate::geometry::magnitude::{Extent, extent, is_usable, is_usable_weight};
+use crate::geometry::{Direction, KnotVector, MAX_MAGNITUDE, MIN_MAGNITUDE};
 
 /// A tensor-product NURBS surface `S(u, v) = Σ Nᵢ(u) Nⱼ(v) wᵢⱼ Pᵢⱼ / Σ Nᵢ(u) Nⱼ(v) wᵢⱼ`.
 ///
@@ -67,7 +67,7 @@ impl NurbsSurface {
         let nv = knots_v.point_count();
         for (k, point) in control.iter().enumerate() {
             let (i, j, weight) = (k / nv, k % nv, point.w);
-            if !Self::usable_weight(weight) {
+            if !is_usable_weight(weight) {
                 return Err(SurfaceError::Weight { i, j, weight });
             }
             if !is_usable(point.xyz() / weight) {
@@ -77,11 +77,6 @@ impl NurbsSurface {
         let surface = Self::assembled([knots_u, knots_v], control);
         surface.extent().checked()?;
         Ok(surface)
-    }
-
-    /// Whether a number can be the weight of a control point.
-    pub fn usable_weight(weight: f64) -> bool {
-        (MIN_MAGNITUDE..=MAX_MAGNITUDE).contains(&weight) // false for NaN
     }
 
     /// A surface from parts that are valid, because an operation on a valid surface made them.

@@ -7,8 +7,8 @@ use glam::{DAffine3, DVec2, DVec3, DVec4, Vec4Swizzles};
 use super::TriangleError;
 use crate::geometry::affine::{moved, unfit_determinant};
 use crate::geometry::knots::unit_knots;
-use crate::geometry::magnitude::{Extent, extent, is_usable};
-use crate::geometry::{MAX_DEGREE, MIN_MAGNITUDE, NurbsCurve, NurbsSurface, SurfaceDerivatives};
+use crate::geometry::magnitude::{Extent, extent, is_usable, is_usable_weight};
+use crate::geometry::{MAX_DEGREE, MIN_MAGNITUDE, NurbsCurve, SurfaceDerivatives};
 
 /// A triangular rational Bézier patch of degree `n`,
 /// `S(u, v) = Σ B_ijk w_ijk P_ijk / Σ B_ijk w_ijk` with `B_ijk = n!/(i! j! k!) uⁱ vʲ wᵏ`,
@@ -127,7 +127,7 @@ impl TrianglePatch {
         for ((i, j), point) in exponents(degree).zip(&control) {
             let exponents = [i, j, degree - i - j];
             let weight = point.w;
-            if !NurbsSurface::usable_weight(weight) {
+            if !is_usable_weight(weight) {
                 return Err(TriangleError::Weight { exponents, weight });
             }
             let euclidean = point.xyz() / weight;

@@ -10,7 +10,7 @@ use super::knot_list::KnotList;
 use super::transforms::TransformKeys;
 use super::values::{Degree, Exactly, Number, Point, Whole};
 use super::{LoadError, Reader};
-use crate::geometry::NurbsSurface;
+use crate::geometry::is_usable_weight;
 use crate::geometry::shapes::QuarticArc;
 use crate::scene::{
     BSplineEnds, CurveKind, CurveSpec, Knots, Place, Transform, UnknownName, Written,
@@ -237,7 +237,7 @@ impl Reader<'_, '_> {
     /// if there is one for each point.
     fn weights_of(&self, points: usize, list: Spanned<Vec<Spanned<Number>>>) -> Written<Vec<f64>> {
         let all = list.get_ref();
-        let unusable = all.iter().find(|weight| !NurbsSurface::usable_weight(weight.get_ref().0));
+        let unusable = all.iter().find(|weight| !is_usable_weight(weight.get_ref().0));
         let span = match unusable.filter(|_| all.len() == points) {
             Some(weight) => weight.span(),
             None => list.span(),

@@ -10,7 +10,7 @@ use super::kinds::OneOf;
 use super::transforms::TransformKeys;
 use super::values::Measures;
 use super::{LoadError, Reader};
-use crate::geometry::NurbsSurface;
+use crate::geometry::is_usable_weight;
 use crate::io::keyed::Keyed;
 use crate::io::nearby::stem;
 use crate::scene::{Knots, Net, Object, Part, Place, Shape, Transform, TriangleNet, Written};
@@ -163,7 +163,7 @@ impl Reader<'_, '_> {
             );
             return Err(LoadError::malformed(place, message));
         }
-        let unusable = flat(&weights).find(|w| !NurbsSurface::usable_weight(*w.get_ref()));
+        let unusable = flat(&weights).find(|w| !is_usable_weight(*w.get_ref()));
         let place = unusable.map_or(place, |weight| self.source.place(weight.span().start));
         Ok(Written::new(flat(&weights).map(|weight| *weight.get_ref()).collect(), place))
     }
