@@ -5,6 +5,7 @@
 //! coherent, and else in `streams`.
 
 mod between;
+mod looks;
 mod packets;
 mod singles;
 mod streams;
@@ -13,6 +14,7 @@ use std::fmt;
 
 use glam::DVec3;
 
+use self::looks::reported_normal;
 use super::crossings::merge::merge;
 use super::hit::{OneShot, Shots};
 use super::level::Level;
@@ -431,7 +433,7 @@ fn answer_of<'m>(
 fn hit(set: &PatchSet, meeting: &Meeting) -> Hit {
     let piece = &set.pieces()[meeting.piece as usize];
     let mut flags = meeting.flags;
-    let normal = meeting.normal.filter(|_| !piece.is_apex(meeting.jet.point));
+    let normal = reported_normal(piece, meeting.jet.point, meeting.normal);
     let normal = normal.unwrap_or_else(|| {
         flags.insert(HitFlags::NO_NORMAL);
         DVec3::NAN

@@ -1,10 +1,10 @@
 //! First and any hits of coherent rays: packets, and the scalar search for what they leave
 //! undecided.
 
+use super::looks::border_flag;
 use super::{PacketScratch, answer_of};
 use crate::intersect::hit::StartIn;
 use crate::intersect::level::{Level, dispatch};
-use crate::intersect::roots::borders::at_border;
 use crate::intersect::roots::meeting::{CertainHit, Meeting};
 use crate::intersect::scalar::findings::occlusion;
 use crate::intersect::wide::{Ahead, LaneHit, Moment, PACKET, ReadAhead, Wanted, trace};
@@ -176,13 +176,10 @@ fn meeting(set: &PatchSet, frame: &RayFrame, hit: &LaneHit) -> Meeting {
     let LaneHit { piece: index, t, z_error, st, point, normal, needs_look } = *hit;
     let piece = &set.pieces()[index as usize];
     let jet = Jet { point, ..piece.patch.jet(st) };
-    let mut flags = HitFlags::NONE;
-    let mut normal = normal.is_finite().then_some(normal);
-    if needs_look {
-        normal = piece.normal(st, &jet);
-        if at_border(piece, st, &jet, piece.patch.error_bound(frame.magnitude)) {
-            flags.insert(HitFlags::BORDER);
-        }
-    }
+    let (normal, flags) = if needs_look {
+        (piece.normal(st, &jet), border_flag(piece, st, &jet, frame.magnitude))
+    } else {
+        (normal.is_finite().then_some(normal), HitFlags::NONE)
+    };
     CertainHit { t, z_error, piece: index, st, jet, normal, flags }.meeting(piece, frame)
 }

@@ -5,10 +5,10 @@ use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
 use super::answer_of;
+use super::looks::{border_flag, reported_normal};
 use crate::geometry::RectSide;
 use crate::intersect::hit::{OneShot, StartIn};
 use crate::intersect::level::{Level, dispatch};
-use crate::intersect::roots::borders::at_border;
 use crate::intersect::roots::meeting::{CertainHit, Meeting};
 use crate::intersect::roots::question::Question;
 use crate::intersect::scalar::leaf_search;
@@ -221,14 +221,11 @@ impl<'a> Certain<'a> {
         // Near a pole the normal is a limit.
         if leaf.has_pole() {
             let limit = piece.normal(hit.st, &piece.patch.jet(hit.st));
-            normal = limit.filter(|_| !piece.is_apex(hit.point)).unwrap_or(DVec3::NAN);
+            normal = reported_normal(piece, hit.point, limit).unwrap_or(DVec3::NAN);
         }
         if leaf.is_at_border() && near_border(leaf, piece, hit.st) {
-            let jet = piece.patch.jet(hit.st);
-            let error = piece.patch.error_bound(ray.origin().abs().max_element());
-            if at_border(piece, hit.st, &jet, error) {
-                flags.insert(HitFlags::BORDER);
-            }
+            let magnitude = ray.origin().abs().max_element();
+            flags = border_flag(piece, hit.st, &piece.patch.jet(hit.st), magnitude);
         }
         if !normal.is_finite() {
             flags.insert(HitFlags::NO_NORMAL);
