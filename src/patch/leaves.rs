@@ -157,10 +157,12 @@ impl Room {
 
     /// Whether a part may be halved that is worth this much, when there are this many leaves.
     fn is_for(&self, worth: f64, count: usize) -> bool {
-        let most = match worth {
-            _ if worth > self.worth_in_scene => self.in_scene,
-            _ if self.may_be_for(worth) => self.more,
-            _ => 0,
+        let most = if worth > self.worth_in_scene {
+            self.in_scene
+        } else if self.may_be_for(worth) {
+            self.more
+        } else {
+            0
         };
         count < most.max(self.worthwhile)
     }

@@ -251,10 +251,12 @@ impl Film {
             return Err(MergeError::Different(what));
         }
         let (a, b) = (&self.settings, &other.settings);
-        let (mut first, second) = match () {
-            () if a.samples.end == b.samples.start => (self, other),
-            () if b.samples.end == a.samples.start => (other, self),
-            () => return Err(MergeError::NotNeighbors(a.samples.clone(), b.samples.clone())),
+        let (mut first, second) = if a.samples.end == b.samples.start {
+            (self, other)
+        } else if b.samples.end == a.samples.start {
+            (other, self)
+        } else {
+            return Err(MergeError::NotNeighbors(a.samples.clone(), b.samples.clone()));
         };
         first.settings.samples.end = second.settings.samples.end;
         first.pixels.append(second.pixels);

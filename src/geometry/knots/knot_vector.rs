@@ -290,10 +290,15 @@ impl KnotVector {
         if !exists {
             return Err(KnotError::OtherDomain { start, end });
         }
-        let moved = |&t: &f64| match t {
-            t if t == a => start,
-            t if t == b => end,
-            t => start + (t - a) / (b - a) * (end - start),
+        // The ends exactly.
+        let moved = |&t: &f64| {
+            if t == a {
+                start
+            } else if t == b {
+                end
+            } else {
+                start + (t - a) / (b - a) * (end - start)
+            }
         };
         let values: Vec<f64> = self.values().iter().map(moved).collect();
         let merged = self.values().windows(2).zip(values.windows(2));

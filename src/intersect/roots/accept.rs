@@ -272,13 +272,16 @@ impl<'a> Candidate<'a> {
             self.cut_off || residual > aimed && self.moved || outside_pole.unwrap_or(false);
         // Where the surface goes on in another piece, either is met, but neither covers everything.
         let inside_pole = || spot.is_passed_outside_at_pole(ray, [aimed; 2]) == Some(false);
-        let cover = match outside_pole {
-            _ if beyond => Cover::Nothing,
-            // Trims may cut off any part of the sector.
-            Some(_) if !at_trims && inside_pole() => Cover::Whole,
-            _ if beside_pole => Cover::Unknown,
-            _ if self.kept_whole && !at_border => Cover::Whole,
-            _ => Cover::Sector,
+        let cover = if beyond {
+            Cover::Nothing
+        } else if outside_pole.is_some() && !at_trims && inside_pole() {
+            Cover::Whole // trims may cut off any part of the sector
+        } else if beside_pole {
+            Cover::Unknown
+        } else if self.kept_whole && !at_border {
+            Cover::Whole
+        } else {
+            Cover::Sector
         };
         if question.all_hits && at_border && stands_still(&spot, error) {
             // Which way the ray goes through the surface is not known.
