@@ -14,6 +14,7 @@ use crate::intersect::wide::search::distances::widened;
 use crate::intersect::wide::search::newton::{Converged, Ends, Rays, Verdict, newton};
 use crate::intersect::wide::trimmed::{Places, kept_in_window};
 use crate::intersect::wide::vectors::{Lanes3, dot_d, load3d};
+use crate::intersect::wide::wanted::Wanted;
 use crate::intersect::wide::{PACKET, trimmed};
 use crate::math::bits::{half_of_sixteen, has, set_bits};
 use crate::patch::Piece;
@@ -86,7 +87,7 @@ pub(super) fn finish<S: Simd>(
         Ground::Certificate => (true, target.certified(simd)),
         Ground::Own(rect) => (false, target.parameters(simd, rect, base % LANES / 8)),
     };
-    let leaves = Ground8 { on: leaf, domain, certified, normals: !packet.any };
+    let leaves = Ground8 { on: leaf, domain, certified, normals: packet.wanted != Wanted::Any };
     let rays = PacketRays::new(simd, packet, base, closer.residual_factor, closer.magnitude);
     let error = rays.error();
     let mut near_pole = simd.splat_mask64x8(false);
@@ -126,7 +127,7 @@ pub(super) fn finish<S: Simd>(
     }
 
     let found = hit.any_true();
-    if found && packet.any {
+    if found && packet.wanted == Wanted::Any {
         // Nothing more is asked of these rays.
         packet.meet_eight(simd, base, hit.to_bitmask());
     } else if found {

@@ -23,6 +23,7 @@ use crate::intersect::wide::search::distances::step_from_middle;
 use crate::intersect::wide::surface::sums::OneNet;
 use crate::intersect::wide::vectors::lane_bits;
 use crate::intersect::wide::view::BvhView;
+use crate::intersect::wide::wanted::Wanted;
 use crate::math::rounding;
 use crate::patch::OrientedBox;
 
@@ -174,7 +175,7 @@ fn search_certified<S: Simd, Q>(
     let is_flat = target.leaf.is_flat();
     let near = if !is_flat {
         Some(work.distances.newton(simd, start, [[-widened, widened]; 2]))
-    } else if packet.any {
+    } else if packet.wanted == Wanted::Any {
         Some(step_from_middle(simd, target.fitted(), packet.sixteen(base), widened))
     } else {
         None

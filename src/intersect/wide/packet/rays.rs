@@ -22,8 +22,8 @@ use crate::math::bits::half_of_sixteen;
 pub(crate) struct Packet {
     /// How many rays there are.
     pub(super) count: usize,
-    /// Whether any hit will do: then a ray that has one ends before it begins.
-    pub any: bool,
+    /// What is asked for. If any hit will do, a ray that has one ends before it begins.
+    pub wanted: Wanted,
     /// One bit a ray: whether it comes from too far away for the work in f32, and is left out.
     pub(super) far_off: u64,
     pub rays: LaneRays,
@@ -45,9 +45,9 @@ impl Packet {
         Sixteen { rays: &self.rays, scaled: &self.scaled, base }
     }
 
-    /// Says whether any hit will do for the rays to come.
+    /// Says what the rays to come ask for: their first hits, or any.
     pub(crate) fn ask(&mut self, wanted: Wanted) {
-        self.any = wanted == Wanted::Any;
+        self.wanted = wanted;
     }
 
     /// Shortens the f32 ends of rays to their nearest hits, for those of the eight rays from `base`

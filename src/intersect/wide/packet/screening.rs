@@ -10,6 +10,7 @@ use crate::intersect::wide::proof::certified::upright;
 use crate::intersect::wide::proof::screen::{INSIDE, Screen, Screened};
 use crate::intersect::wide::search::distances::{NearRoots, terms};
 use crate::intersect::wide::vectors::{lane_bits, splat};
+use crate::intersect::wide::wanted::Wanted;
 
 /// Some of sixteen rays.
 #[derive(Clone, Copy)]
@@ -43,7 +44,7 @@ pub(super) fn screen<S: Simd>(
     let [x, y] = near.last.to;
     let farthest = x.abs().max(y.abs());
     let outside = lanes & !lane_bits(farthest.simd_le(splat(simd, INSIDE)));
-    if target.pole.is_some() || (outside == 0 && !packet.any) {
+    if target.pole.is_some() || (outside == 0 && packet.wanted != Wanted::Any) {
         return Screened::default();
     }
     let rays = packet.sixteen(crossing.base);
@@ -57,7 +58,8 @@ pub(super) fn screen<S: Simd>(
         window: target.view.windows.of(target.index),
     };
     let Screened { missed, met } = screen.ask(simd, near, lanes);
-    let met = if packet.any { met & packet.within_range(simd, crossing) } else { 0 };
+    let met =
+        if packet.wanted == Wanted::Any { met & packet.within_range(simd, crossing) } else { 0 };
     Screened { missed, met }
 }
 
@@ -78,7 +80,6 @@ mod tests {
     use crate::intersect::wide::proof::certified::certify;
     use crate::intersect::wide::reach::WIDENED;
     use crate::intersect::wide::search::distances::{LaneDistances, step_from_middle};
-    use crate::intersect::wide::wanted::Wanted;
     use crate::intersect::wide::weighted_hills;
     use crate::intersect::{Hit, Query, SurfaceBvh};
     use crate::math::bits::has;

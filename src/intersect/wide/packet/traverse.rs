@@ -21,7 +21,7 @@ use crate::intersect::wide::view::BvhView;
 use crate::math::bits::set_bits;
 
 /// Finds the nearest certified hit of each of up to [`PACKET`] rays, or any hit if that is all they
-/// ask for (`packet.any`). `work.undecided` lists the pairs of ray and leaf that could not be
+/// ask for (`packet.wanted`). `work.undecided` lists the pairs of ray and leaf that could not be
 /// certified or decided, which may hold nearer hits. The rays `ahead` are prefetched on the way.
 #[simd]
 pub(crate) fn trace<S: Simd, Q: Shot>(
