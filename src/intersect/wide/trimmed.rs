@@ -5,7 +5,7 @@ use fearless_simd_macros::simd;
 use glam::DVec2;
 
 use super::hit_place::HitPlace;
-use super::vectors::{lane_bits, splat};
+use super::vectors::lane_bits;
 use super::view::BvhView;
 use crate::geometry::trim::{self, Side, WINDOW_REACH, WINDOW_SPARE, WindowCurve};
 use crate::intersect::roots::borders::{TRIM_REACH, TRIM_SPARE, trim_reach};
@@ -72,7 +72,7 @@ pub(super) fn kept_in_window<S: Simd>(
     places: &Places<S>,
     asked: u32,
 ) -> [u32; 2] {
-    let splat = |x: f32| splat(simd, x);
+    let splat = |x: f32| f32x16::splat(simd, x);
     let [x, y] = places.at;
     let (zero, one) = (splat(0.0), splat(1.0));
     let spare = splat(WINDOW_SPARE as f32 + SPARE_OF_F32);

@@ -31,12 +31,6 @@ pub(super) fn load3d<S: Simd>(simd: S, lanes: &Lanes3, base: usize) -> [f64x8<S>
     ]
 }
 
-/// The same number in all lanes.
-#[inline(always)]
-pub(super) fn splat<S: Simd>(simd: S, x: f32) -> f32x16<S> {
-    f32x16::splat(simd, x)
-}
-
 /// Vectors times numbers.
 #[inline(always)]
 pub(super) fn scaled<S: Simd>([x, y, z]: [f32x16<S>; 3], by: f32x16<S>) -> [f32x16<S>; 3] {

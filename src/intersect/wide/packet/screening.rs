@@ -9,7 +9,7 @@ use super::target::Target;
 use crate::intersect::wide::proof::certified::upright;
 use crate::intersect::wide::proof::screen::{INSIDE, Screen, Screened};
 use crate::intersect::wide::search::distances::{NearRoots, terms};
-use crate::intersect::wide::vectors::{lane_bits, splat};
+use crate::intersect::wide::vectors::lane_bits;
 use crate::intersect::wide::wanted::Wanted;
 
 /// Some of sixteen rays.
@@ -43,7 +43,7 @@ pub(super) fn screen<S: Simd>(
     // others, those that trims cut off are told, too.
     let [x, y] = near.last.to;
     let farthest = x.abs().max(y.abs());
-    let outside = lanes & !lane_bits(farthest.simd_le(splat(simd, INSIDE)));
+    let outside = lanes & !lane_bits(farthest.simd_le(f32x16::splat(simd, INSIDE)));
     if target.pole.is_some() || (outside == 0 && packet.wanted != Wanted::Any) {
         return Screened::default();
     }
@@ -54,7 +54,7 @@ pub(super) fn screen<S: Simd>(
         normals: rays.normals(simd),
         upright: upright(simd, target.leaf, crossing.slopes),
         terms: terms(simd, target.fitted(), middle, rays),
-        error: error * splat(simd, target.fitted().heaviest()),
+        error: error * f32x16::splat(simd, target.fitted().heaviest()),
         window: target.view.windows.of(target.index),
     };
     let Screened { missed, met } = screen.ask(simd, near, lanes);

@@ -60,7 +60,7 @@ use fearless_simd_macros::simd;
 
 use self::approximation::{Bends, Plane, Weights};
 use crate::intersect::wide::reach::LEAF;
-use crate::intersect::wide::vectors::{lane_bits, splat};
+use crate::intersect::wide::vectors::lane_bits;
 use crate::intersect::wide::view::Fitted;
 use crate::patch::FIT_DOMAIN;
 
@@ -135,12 +135,13 @@ impl<S: Simd> Departure<S> {
         let plane = Plane::new(simd, fitted, self);
         let bends = Bends::new(simd, fitted, &plane);
         let errors = Errors::new(simd, fitted, &weights, &plane);
-        let most = splat(simd, ALMOST * weights.least / stretch) * plane.cosine - errors.slopes;
+        let most =
+            f32x16::splat(simd, ALMOST * weights.least / stretch) * plane.cosine - errors.slopes;
 
         // How much slopes may differ from those at the stated start, per unit of the origin's
         // distance from there.
-        let moved = splat(simd, stretch) / plane.cosine;
-        let weight_turned = splat(simd, weights.slope) / plane.cosine;
+        let moved = f32x16::splat(simd, stretch) / plane.cosine;
+        let weight_turned = f32x16::splat(simd, weights.slope) / plane.cosine;
         let turned = moved.mul_add(bends.norm(), weight_turned);
 
         // In any direction; the effect of the normal's rounding on that is a part of the norm.
@@ -153,23 +154,24 @@ impl<S: Simd> Departure<S> {
         let angle = (bent_aside + errors.slopes + self.reach * turned_aside) / speed;
         let ahead = angle.mul_add(angle, angle).mul_add(bends.norm() + bends.norm(), ahead);
 
-        let half = splat(simd, 0.5);
+        let half = f32x16::splat(simd, 0.5);
         let farthest = far_x.mul_add(far_x, far_y * far_y).sqrt();
         let left = [most - half * largest * farthest, most - half * ahead * farthest];
 
         // All are false for NaN. Where the leaf bends away, `left` is larger than `most`, which
         // still is the limit.
-        let flat = plane.sine.simd_gt(splat(simd, STEEPEST));
-        let inside = self.place[0].abs().max(self.place[1].abs()).simd_le(splat(simd, MAY_START));
+        let flat = plane.sine.simd_gt(f32x16::splat(simd, STEEPEST));
+        let inside =
+            self.place[0].abs().max(self.place[1].abs()).simd_le(f32x16::splat(simd, MAY_START));
         let known = self.reach * turned;
-        let apart = splat(simd, ROOT_APART * lengths[0].min(lengths[1]));
+        let apart = f32x16::splat(simd, ROOT_APART * lengths[0].min(lengths[1]));
         let bends_less = known.simd_lt(left[0]) | flat & known.simd_lt(left[1]);
         let inside = inside & (self.reach * moved).simd_lt(apart);
         let if_near = inside & known.simd_lt(most) & bends_less;
         // In no coordinate is the origin off by more than that, so in space by less than twice
         // that.
-        let seen = self.reach + self.reach + splat(simd, 3.0 * errors.point);
-        let near = plane.off.simd_le(self.reach + splat(simd, errors.point));
+        let seen = self.reach + self.reach + f32x16::splat(simd, 3.0 * errors.point);
+        let near = plane.off.simd_le(self.reach + f32x16::splat(simd, errors.point));
         let surely = if_near & near & (seen * moved).simd_lt(apart);
         let seen = seen * turned;
         let surely = surely & seen.simd_lt(most) & seen.simd_lt(left[0]);
@@ -181,8 +183,11 @@ impl<S: Simd> Departure<S> {
     #[inline(always)]
     fn farthest(&self, simd: S, [length_x, length_y]: [f32; 2]) -> [f32x16<S>; 2] {
         let [x, y] = self.place;
-        let reach = splat(simd, LEAF + ROOT_APART);
-        [(x.abs() + reach) * splat(simd, length_x), (y.abs() + reach) * splat(simd, length_y)]
+        let reach = f32x16::splat(simd, LEAF + ROOT_APART);
+        [
+            (x.abs() + reach) * f32x16::splat(simd, length_x),
+            (y.abs() + reach) * f32x16::splat(simd, length_y),
+        ]
     }
 }
 
@@ -208,13 +213,15 @@ impl<S: Simd> Errors<S> {
         // weight's slopes.
         let [x, y, z] = plane.point;
         let size = x.abs() + y.abs() + z.abs();
-        let by_weight = (size + splat(simd, length_x + length_y)) * splat(simd, weights.slope);
-        let flattened = (by_weight + splat(simd, weights.terms)) * plane.per_length;
-        let flattened = flattened * splat(simd, NORMAL_ROUNDING);
-        let by_weight = by_weight * splat(simd, PLACE_ROUNDING);
+        let by_weight =
+            (size + f32x16::splat(simd, length_x + length_y)) * f32x16::splat(simd, weights.slope);
+        let flattened = (by_weight + f32x16::splat(simd, weights.terms)) * plane.per_length;
+        let flattened = flattened * f32x16::splat(simd, NORMAL_ROUNDING);
+        let by_weight = by_weight * f32x16::splat(simd, PLACE_ROUNDING);
         let point = leaf.fit_error() * fitted.heaviest() + rounding;
         let slope_error = leaf.slope_error().mul_add(per_side, PLACE_ROUNDING * weights.terms);
-        let slopes = splat(simd, slope_error + point * weights.slope) + by_weight + flattened;
+        let slopes =
+            f32x16::splat(simd, slope_error + point * weights.slope) + by_weight + flattened;
         Self { point, slopes, flattened }
     }
 }

@@ -45,7 +45,7 @@ use crate::geometry::trim::WindowCurve;
 use crate::intersect::wide::reach::LEAF;
 use crate::intersect::wide::search::distances::{LastStep, NearRoots};
 use crate::intersect::wide::trimmed::{EDGE_REACH, Places, kept_in_window};
-use crate::intersect::wide::vectors::{lane_bits, splat};
+use crate::intersect::wide::vectors::lane_bits;
 use crate::patch::{CLEAR, Leaf, OrientedBox, SURELY, WIDENING};
 
 /// Half the side of the largest square about the root that was found, in box coordinates.
@@ -102,42 +102,45 @@ impl<S: Simd> Screen<'_, S> {
         // Distances take twelve roundings of coefficients and sums; derivatives, of three times the
         // size, take as many. The roundings of the step and of what it leaves are small compared
         // with the slack given to it (`per_move`, `MOST_OFF`).
-        let noise = self.terms * splat(simd, DISTANCE_ROUNDING);
-        let off = noise + splat(simd, leaf.fit_error()) + self.error;
-        let per_move = splat(simd, 2.0 * leaf.slope_error()) + noise * splat(simd, 4.0);
+        let noise = self.terms * f32x16::splat(simd, DISTANCE_ROUNDING);
+        let off = noise + f32x16::splat(simd, leaf.fit_error()) + self.error;
+        let per_move =
+            f32x16::splat(simd, 2.0 * leaf.slope_error()) + noise * f32x16::splat(simd, 4.0);
 
         let (move_x, move_y) = (to[0] - from[0], to[1] - from[1]);
         let left_1 = a1.mul_add(move_x, b1.mul_add(move_y, f1)).abs();
         let left_2 = a2.mul_add(move_x, b2.mul_add(move_y, f2)).abs();
-        let reach = move_x.abs().max(move_y.abs()) + splat(simd, MOST_OFF);
-        let bend = splat(simd, leaf.fit_bend());
+        let reach = move_x.abs().max(move_y.abs()) + f32x16::splat(simd, MOST_OFF);
+        let bend = f32x16::splat(simd, leaf.fit_bend());
         let rest = left_1.max(left_2) + bend.mul_add(reach, per_move).mul_add(reach, off);
         let by_inverse = (xx.abs() + xy.abs()).max(yx.abs() + yy.abs());
         // The row sums of `A J − I` are less than a half, and a little is left for rounding.
-        let radius = splat(simd, 2.2) * by_inverse * rest;
+        let radius = f32x16::splat(simd, 2.2) * by_inverse * rest;
         let size = a1.abs() + a2.abs() + (b1.abs() + b2.abs());
         // All are false for NaN.
-        let known = radius.simd_le(splat(simd, MOST_OFF))
-            & (by_inverse * size).simd_le(splat(simd, WORST))
-            & size.simd_ge(splat(simd, SHORTEST))
-            & self.terms.simd_le(splat(simd, LARGEST));
+        let known = radius.simd_le(f32x16::splat(simd, MOST_OFF))
+            & (by_inverse * size).simd_le(f32x16::splat(simd, WORST))
+            & size.simd_ge(f32x16::splat(simd, SHORTEST))
+            & self.terms.simd_le(f32x16::splat(simd, LARGEST));
 
         let (x, y) = (to[0].abs(), to[1].abs());
-        let (farthest, spare) = (x.max(y), radius + splat(simd, 2.0 * f32::EPSILON));
-        let in_domain = (farthest + spare).simd_le(splat(simd, DOMAIN));
-        let beyond = (farthest - spare).simd_gt(splat(simd, LEAF));
-        let within = (farthest + spare).simd_le(splat(simd, INSIDE));
+        let (farthest, spare) = (x.max(y), radius + f32x16::splat(simd, 2.0 * f32::EPSILON));
+        let in_domain = (farthest + spare).simd_le(f32x16::splat(simd, DOMAIN));
+        let beyond = (farthest - spare).simd_gt(f32x16::splat(simd, LEAF));
+        let within = (farthest + spare).simd_le(f32x16::splat(simd, INSIDE));
         let mut missed = lane_bits(known & in_domain & beyond);
         let mut met = lane_bits(known & within);
         if leaf.is_trimmed() {
             let turned = bend.mul_add(reach + reach, per_move);
-            let steady = (by_inverse * turned).simd_le(splat(simd, 0.25));
+            let steady = (by_inverse * turned).simd_le(f32x16::splat(simd, 0.25));
             let [kept, decided] = self.kept(simd, to, radius, by_inverse, lanes);
             missed |= lane_bits(known & in_domain & steady) & decided & !kept;
             met &= lane_bits(steady) & decided & kept;
         }
-        let outside =
-            [from[0].abs().simd_gt(splat(simd, LEAF)), from[1].abs().simd_gt(splat(simd, LEAF))];
+        let outside = [
+            from[0].abs().simd_gt(f32x16::splat(simd, LEAF)),
+            from[1].abs().simd_gt(f32x16::splat(simd, LEAF)),
+        ];
         let open = lanes & !(missed | met);
         if open & lane_bits(outside[0] | outside[1]) != 0 {
             missed |= lane_bits(self.away(simd, (from, outside), [f1, f2], off));
@@ -162,11 +165,11 @@ impl<S: Simd> Screen<'_, S> {
             lengths[0] + lengths[1] + 2.0 * leaf.slope_error() + 2.0 * DOMAIN * leaf.fit_bend();
         // How near an edge counts, times the length of the half side. A tenth is for rounding.
         let edge = 4.4 * EDGE_REACH as f32 * leaf.stretch() * span;
-        let edge = by_inverse * self.error * splat(simd, edge);
+        let edge = by_inverse * self.error * f32x16::splat(simd, edge);
         let [x, y] = lengths;
         let reach = [
-            edge.mul_add(splat(simd, 1.0 / x), radius),
-            edge.mul_add(splat(simd, 1.0 / y), radius),
+            edge.mul_add(f32x16::splat(simd, 1.0 / x), radius),
+            edge.mul_add(f32x16::splat(simd, 1.0 / y), radius),
         ];
         kept_in_window(simd, self.window, &Places { at, reach }, lanes)
     }
@@ -181,21 +184,23 @@ impl<S: Simd> Screen<'_, S> {
         [f1, f2]: [f32x16<S>; 2],
         off: f32x16<S>,
     ) -> mask32x16<S> {
-        let (zero, [n1, n2]) = (splat(simd, 0.0), self.normals);
+        let (zero, [n1, n2]) = (f32x16::splat(simd, 0.0), self.normals);
         let axes = self.oriented.unit_axes();
         let mut along = [zero; 3];
         for i in 0..3 {
             let g = f1 * n2[i] - f2 * n1[i];
             for k in 0..3 {
-                along[k] = g.mul_add(splat(simd, axes[k][i] as f32), along[k]);
+                along[k] = g.mul_add(f32x16::splat(simd, axes[k][i] as f32), along[k]);
             }
         }
         let [along_a, along_b, along_n] = along;
         let size = f1.abs() + f2.abs();
-        let rest = size * splat(simd, SURELY as f32) + off * splat(simd, 2.0);
+        let rest = size * f32x16::splat(simd, SURELY as f32) + off * f32x16::splat(simd, 2.0);
         let [[other_s, out_s], [other_t, out_t]] = self.leaf.certificate.bend();
-        let (other_s, out_s) = (splat(simd, other_s as f32), splat(simd, out_s as f32));
-        let (other_t, out_t) = (splat(simd, other_t as f32), splat(simd, out_t as f32));
+        let (other_s, out_s) =
+            (f32x16::splat(simd, other_s as f32), f32x16::splat(simd, out_s as f32));
+        let (other_t, out_t) =
+            (f32x16::splat(simd, other_t as f32), f32x16::splat(simd, out_t as f32));
         // What an error of the distances does to each of the three.
         let (across_a, across_b) = (along_a.abs() + rest, along_b.abs() + rest);
         let across_n = along_n.abs() + rest;
@@ -204,7 +209,8 @@ impl<S: Simd> Screen<'_, S> {
         let sign = self.upright;
         let away_s = (along_b * sign * at[0]).simd_lt(zero) & along_b.abs().simd_gt(turned_s);
         let away_t = (along_a * sign * at[1]).simd_gt(zero) & along_a.abs().simd_gt(turned_t);
-        let clear = f1.abs().max(f2.abs()).simd_gt(off + self.error * splat(simd, CLEAR as f32));
+        let clear =
+            f1.abs().max(f2.abs()).simd_gt(off + self.error * f32x16::splat(simd, CLEAR as f32));
         clear & (outside[0] & away_s | outside[1] & away_t)
     }
 }

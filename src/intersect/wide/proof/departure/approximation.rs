@@ -6,7 +6,7 @@ use fearless_simd_macros::simd;
 
 use super::{Departure, FARTHEST};
 use crate::intersect::wide::search::distances::sizes;
-use crate::intersect::wide::vectors::{cross, dot, scaled, splat};
+use crate::intersect::wide::vectors::{cross, dot, scaled};
 use crate::intersect::wide::view::Fitted;
 
 /// The approximation's tangent plane at the starts.
@@ -34,20 +34,22 @@ impl<S: Simd> Plane<S> {
         let Departure { place, origin, axis, .. } = departure;
         let [per_x, per_y] = fitted.leaf.half_side_lengths().map(|length| 1.0 / length);
         let Tangents { point, weight, along_x, along_y } = Tangents::new(simd, fitted, place);
-        let mut off = splat(simd, 0.0);
+        let mut off = f32x16::splat(simd, 0.0);
         for k in 0..3 {
             off = off.max((point[k] - origin[k]).abs());
         }
-        let (along_x, along_y) =
-            (scaled(along_x, splat(simd, per_x)), scaled(along_y, splat(simd, per_y)));
+        let (along_x, along_y) = (
+            scaled(along_x, f32x16::splat(simd, per_x)),
+            scaled(along_y, f32x16::splat(simd, per_y)),
+        );
         let normal = cross(along_x, along_y);
-        let per_length = splat(simd, 1.0) / dot(normal, normal).sqrt();
+        let per_length = f32x16::splat(simd, 1.0) / dot(normal, normal).sqrt();
         let normal = scaled(normal, per_length);
         let along = dot(normal, *axis);
         let across = cross(normal, *axis);
         let sine = dot(across, across).sqrt();
         let across = [across[0] / sine, across[1] / sine, across[2] / sine];
-        let sign = splat(simd, 1.0).copysign(along);
+        let sign = f32x16::splat(simd, 1.0).copysign(along);
         let normal = scaled(normal, sign);
         let cosine = along.abs();
         Self {
@@ -76,10 +78,10 @@ struct Tangents<S: Simd> {
 impl<S: Simd> Tangents<S> {
     #[simd]
     fn new(simd: S, Fitted { leaf, weight }: Fitted<'_>, place: &[f32x16<S>; 2]) -> Self {
-        let zero = splat(simd, 0.0);
+        let zero = f32x16::splat(simd, 0.0);
         let mut tangents = Self {
             point: [zero; 3],
-            weight: splat(simd, 1.0),
+            weight: f32x16::splat(simd, 1.0),
             along_x: [zero; 3],
             along_y: [zero; 3],
         };
@@ -89,7 +91,7 @@ impl<S: Simd> Tangents<S> {
         }
         if let Some(weight) = weight {
             let [weight, by_x, by_y] = sums(simd, place, weight);
-            let inverse = splat(simd, 1.0) / weight;
+            let inverse = f32x16::splat(simd, 1.0) / weight;
             for axis in 0..3 {
                 point[axis] *= inverse;
                 along_x[axis] = (along_x[axis] - point[axis] * by_x) * inverse;
@@ -104,15 +106,15 @@ impl<S: Simd> Tangents<S> {
 /// A bicubic polynomial at some places, and its derivatives by `x` and by `y` (Horner's scheme).
 #[inline(always)]
 fn sums<S: Simd>(simd: S, &[x, y]: &[f32x16<S>; 2], coefficients: &[f32; 16]) -> [f32x16<S>; 3] {
-    let three = splat(simd, 3.0);
+    let three = f32x16::splat(simd, 3.0);
     let (x2, x3) = (x + x, x * x * three);
     let (y2, y3) = (y + y, y * y * three);
     let (mut row, mut slope) = ([x; 4], [x; 4]);
     for j in 0..4 {
-        let c0 = splat(simd, coefficients[j]);
-        let c1 = splat(simd, coefficients[4 + j]);
-        let c2 = splat(simd, coefficients[8 + j]);
-        let c3 = splat(simd, coefficients[12 + j]);
+        let c0 = f32x16::splat(simd, coefficients[j]);
+        let c1 = f32x16::splat(simd, coefficients[4 + j]);
+        let c2 = f32x16::splat(simd, coefficients[8 + j]);
+        let c3 = f32x16::splat(simd, coefficients[12 + j]);
         row[j] = c3.mul_add(x, c2).mul_add(x, c1).mul_add(x, c0);
         slope[j] = c3.mul_add(x3, c2.mul_add(x2, c1));
     }
@@ -182,7 +184,7 @@ impl<S: Simd> Bends<S> {
     ) -> Self {
         let [per_x, per_y] = leaf.half_side_lengths().map(|length| 1.0 / length);
         let per = [per_x * per_x, per_x * per_y, per_y * per_y];
-        let zero = splat(simd, 0.0);
+        let zero = f32x16::splat(simd, 0.0);
         let mut bends = Self { height: [zero; 3], more: [zero; 3], aside: [zero; 3] };
         let fit = leaf.fit();
         for i in 0..4 {
@@ -191,10 +193,13 @@ impl<S: Simd> Bends<S> {
                     continue;
                 }
                 let m = 4 * i + j;
-                let mut term =
-                    [splat(simd, fit[0][m]), splat(simd, fit[1][m]), splat(simd, fit[2][m])];
+                let mut term = [
+                    f32x16::splat(simd, fit[0][m]),
+                    f32x16::splat(simd, fit[1][m]),
+                    f32x16::splat(simd, fit[2][m]),
+                ];
                 if let Some(weight) = weight {
-                    let w = splat(simd, -weight[m]);
+                    let w = f32x16::splat(simd, -weight[m]);
                     for axis in 0..3 {
                         term[axis] = w.mul_add(point[axis], term[axis]);
                     }
@@ -206,7 +211,8 @@ impl<S: Simd> Bends<S> {
                     if factors[k] == 0 {
                         continue;
                     }
-                    let weight = splat(simd, factors[k] as f32 * reach_to(i + j - 2) * per[k]);
+                    let weight =
+                        f32x16::splat(simd, factors[k] as f32 * reach_to(i + j - 2) * per[k]);
                     bends.aside[k] = off.mul_add(weight, bends.aside[k]);
                     if i + j == 2 {
                         bends.height[k] = up * weight;
@@ -238,7 +244,7 @@ impl<S: Simd> Bends<S> {
         let ([xx, xy, yy], more) = (self.height, self.more);
         let (xx, xy, yy) = (xx + more[0], xy.abs() + more[1], yy + more[2]);
         let (apart, twice) = (xx - yy, xy + xy);
-        splat(simd, 0.5) * (xx + yy + apart.mul_add(apart, twice * twice).sqrt())
+        f32x16::splat(simd, 0.5) * (xx + yy + apart.mul_add(apart, twice * twice).sqrt())
     }
 
     /// How fast the distance across the ray grows, times the weight; and an upper bound of the
@@ -249,7 +255,7 @@ impl<S: Simd> Bends<S> {
         let (p, q) = (dot(plane.across, plane.along[0]), dot(plane.across, plane.along[1]));
         let speed = p.mul_add(p, q * q).sqrt();
         let (x, y) = (q / speed, p / speed);
-        let at = (x * y).mul_add(splat(simd, -2.0) * xy, x * x * xx + y * y * yy);
+        let at = (x * y).mul_add(f32x16::splat(simd, -2.0) * xy, x * x * xx + y * y * yy);
         let off = (x * y).abs().mul_add(more[1] + more[1], x * x * more[0] + y * y * more[2]);
         (speed * plane.weight, at + off)
     }
@@ -258,7 +264,7 @@ impl<S: Simd> Bends<S> {
     /// two places, which are at most this far apart.
     #[inline(always)]
     pub(super) fn bent_aside(&self, simd: S, [far_x, far_y]: [f32x16<S>; 2]) -> f32x16<S> {
-        let bent = splat(simd, 0.5) * self.aside[0].mul_add(far_x, self.aside[2] * far_y);
+        let bent = f32x16::splat(simd, 0.5) * self.aside[0].mul_add(far_x, self.aside[2] * far_y);
         self.aside[1].mul_add(far_x.min(far_y), bent)
     }
 }
