@@ -97,14 +97,14 @@ impl Default for ScaledRays {
 
 /// Sixteen of the rays.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sixteen<'a> {
+pub(crate) struct RaySixteen<'a> {
     pub rays: &'a LaneRays,
     pub scaled: &'a ScaledRays,
     /// The first of them.
     pub base: usize,
 }
 
-impl Sixteen<'_> {
+impl RaySixteen<'_> {
     /// The normals of the rays' planes, in f32.
     #[inline(always)]
     pub(crate) fn normals<S: Simd>(&self, simd: S) -> [[f32x16<S>; 3]; 2] {

@@ -11,7 +11,7 @@ use super::starts::Starts;
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::box_ray::BOX_SPARE;
 use crate::intersect::wide::frames::END_SPARE;
-use crate::intersect::wide::lane_rays::{LaneRays, ScaledRays, Sixteen};
+use crate::intersect::wide::lane_rays::{LaneRays, RaySixteen, ScaledRays};
 use crate::intersect::wide::vectors::lane_bits;
 use crate::intersect::wide::wanted::Wanted;
 use crate::math::bits::half_of_sixteen;
@@ -41,8 +41,8 @@ impl Packet {
 
     /// The sixteen rays from `base` on.
     #[inline(always)]
-    pub(crate) fn sixteen(&self, base: usize) -> Sixteen<'_> {
-        Sixteen { rays: &self.rays, scaled: &self.scaled, base }
+    pub(crate) fn sixteen(&self, base: usize) -> RaySixteen<'_> {
+        RaySixteen { rays: &self.rays, scaled: &self.scaled, base }
     }
 
     /// Says what the rays to come ask for: their first hits, or any.

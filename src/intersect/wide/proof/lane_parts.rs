@@ -12,13 +12,13 @@ const PLACES: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 
 
 /// Sixteen parts of a leaf, each with the lane of a ray, in box coordinates.
 #[derive(Clone, Copy)]
-pub(crate) struct Sixteen<S: Simd> {
+pub(crate) struct PartSixteen<S: Simd> {
     pub middle: [f32x16<S>; 2],
     pub(super) half: [f32x16<S>; 2],
     tags: u32x16<S>,
 }
 
-impl<S: Simd> Sixteen<S> {
+impl<S: Simd> PartSixteen<S> {
     /// The same part for every lane, at the lane's place.
     #[inline(always)]
     pub(super) fn all(simd: S, middle: [f32; 2], half: [f32; 2]) -> Self {
@@ -99,7 +99,7 @@ impl LaneParts {
 
     /// Pushes the parts whose bit is set.
     #[inline(always)]
-    pub(super) fn push<S: Simd>(&mut self, parts: &Sixteen<S>, chosen: mask32x16<S>) {
+    pub(super) fn push<S: Simd>(&mut self, parts: &PartSixteen<S>, chosen: mask32x16<S>) {
         let at = self.count..self.count + LANES;
         for k in 0..2 {
             parts.middle[k].compress(chosen).store_slice(&mut self.middle[k][at.clone()]);
@@ -123,7 +123,7 @@ impl LaneParts {
     /// Takes out the last sixteen parts, or as many as there are; also returns a bit for each of
     /// them.
     #[inline(always)]
-    pub(super) fn pop<S: Simd>(&mut self, simd: S) -> Option<(Sixteen<S>, u32)> {
+    pub(super) fn pop<S: Simd>(&mut self, simd: S) -> Option<(PartSixteen<S>, u32)> {
         if self.count == 0 {
             return None;
         }
@@ -131,7 +131,7 @@ impl LaneParts {
         self.count -= taken;
         let at = self.count..self.count + LANES;
         let ([middle_x, middle_y], [half_x, half_y]) = (&self.middle, &self.half);
-        let parts = Sixteen {
+        let parts = PartSixteen {
             middle: [
                 f32x16::from_slice(simd, &middle_x[at.clone()]),
                 f32x16::from_slice(simd, &middle_y[at.clone()]),
@@ -151,7 +151,7 @@ impl LaneParts {
     /// Of a lane's parts, the one with the least middle is taken: so the order does not depend on
     /// the other lanes.
     #[inline(always)]
-    pub(super) fn pop_by_lane<S: Simd>(&mut self, simd: S) -> Option<(Sixteen<S>, u32)> {
+    pub(super) fn pop_by_lane<S: Simd>(&mut self, simd: S) -> Option<(PartSixteen<S>, u32)> {
         if self.count == 0 {
             return None;
         }
@@ -185,7 +185,7 @@ impl LaneParts {
             }
         }
         self.count = left;
-        let parts = Sixteen {
+        let parts = PartSixteen {
             middle: [f32x16::from_slice(simd, &middle[0]), f32x16::from_slice(simd, &middle[1])],
             half: [f32x16::from_slice(simd, &half[0]), f32x16::from_slice(simd, &half[1])],
             tags: u32x16::from_slice(simd, &tags),
@@ -207,7 +207,7 @@ mod tests {
     use crate::math::bits::set_bits;
 
     /// The lanes, middles and half sides of parts whose bit is set.
-    fn told<S: Simd>(parts: &Sixteen<S>, chosen: u32) -> Vec<(usize, [f32; 2], [f32; 2])> {
+    fn told<S: Simd>(parts: &PartSixteen<S>, chosen: u32) -> Vec<(usize, [f32; 2], [f32; 2])> {
         let numbers = |of: &[f32x16<S>; 2], place: usize| [of[0][place], of[1][place]];
         let part = |k| (parts.lane(k), numbers(&parts.middle, k), numbers(&parts.half, k));
         set_bits(chosen).map(part).collect()
@@ -216,7 +216,7 @@ mod tests {
     fn halves_are_kept_for_their_lanes<S: Simd>(simd: S) {
         let mut parts = LaneParts::default();
         parts.clear();
-        let whole = Sixteen::all(simd, [0.0; 2], [1.0; 2]);
+        let whole = PartSixteen::all(simd, [0.0; 2], [1.0; 2]);
         let [low, high] = whole.halved(simd, [1.0, 2.0].map(|length| f32x16::splat(simd, length)));
         // The second side is the longer one.
         assert_eq!(told(&low, 1 << 5), [(5, [0.0, -0.5], [1.0, 0.5])]);

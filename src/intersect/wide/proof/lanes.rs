@@ -12,7 +12,7 @@ use super::bounds::{
     DISTANCE_ROUNDING, GROWN, LeafPart, MAY_STEP, MOST_INVERSE, MOST_NOISE, SMALLEST, UNDERFLOW,
 };
 use super::cubic::{bernstein, moved, slope_weights};
-use super::lane_parts::{LaneParts, Sixteen};
+use super::lane_parts::{LaneParts, PartSixteen};
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::search::distances::LaneDistances;
 use crate::intersect::wide::vectors::lane_bits;
@@ -69,7 +69,7 @@ impl<'a, S: Simd> LaneProof<'a, S> {
         let mut proof = Self { simd, distances, parts, lengths, errors, undecided: 0 };
         // The whole leaf shows little more than its certificate says.
         let LeafPart { middle, half } = LeafPart::whole();
-        proof.halve(&Sixteen::all(simd, middle, half), lengths, asked);
+        proof.halve(&PartSixteen::all(simd, middle, half), lengths, asked);
         proof
     }
 
@@ -79,7 +79,7 @@ impl<'a, S: Simd> LaneProof<'a, S> {
     /// Lanes that are undecided by now get no more parts: which of their parts were examined before
     /// that was known depends on the other lanes.
     #[inline(always)]
-    pub(crate) fn next(&mut self) -> Option<(Sixteen<S>, u32)> {
+    pub(crate) fn next(&mut self) -> Option<(PartSixteen<S>, u32)> {
         while let Some((parts, taken)) = self.parts.waiting.pop(self.simd) {
             look_at_parts(self.simd, self, &parts, taken);
         }
@@ -89,7 +89,7 @@ impl<'a, S: Simd> LaneProof<'a, S> {
 
     /// Also examines the halves of the parts returned last for these lanes.
     #[inline(always)]
-    pub(crate) fn go_on(&mut self, parts: &Sixteen<S>, lanes: u32) {
+    pub(crate) fn go_on(&mut self, parts: &PartSixteen<S>, lanes: u32) {
         if lanes != 0 {
             let bytes = parts.bytes_of_lanes(self.simd);
             let lengths = [self.lengths[0].swizzle_dyn(bytes), self.lengths[1].swizzle_dyn(bytes)];
@@ -98,7 +98,7 @@ impl<'a, S: Simd> LaneProof<'a, S> {
     }
 
     #[inline(always)]
-    fn halve(&mut self, parts: &Sixteen<S>, lengths: [f32x16<S>; 2], places: u32) {
+    fn halve(&mut self, parts: &PartSixteen<S>, lengths: [f32x16<S>; 2], places: u32) {
         let simd = self.simd;
         let small = places & lane_bits(parts.halved_so_often(simd, MOST_HALVINGS));
         self.undecided |= lanes_of(parts, small);
@@ -111,7 +111,12 @@ impl<'a, S: Simd> LaneProof<'a, S> {
 
 /// Examines parts of any lanes: those whose bit is set in `taken`.
 #[simd]
-fn look_at_parts<S: Simd>(simd: S, proof: &mut LaneProof<'_, S>, parts: &Sixteen<S>, taken: u32) {
+fn look_at_parts<S: Simd>(
+    simd: S,
+    proof: &mut LaneProof<'_, S>,
+    parts: &PartSixteen<S>,
+    taken: u32,
+) {
     let mut asked = taken;
     if proof.undecided != 0 {
         for place in 0..LANES {
@@ -147,7 +152,7 @@ fn look_at_parts<S: Simd>(simd: S, proof: &mut LaneProof<'_, S>, parts: &Sixteen
 
 /// The bits of the lanes whose parts are at these places.
 #[inline(always)]
-fn lanes_of<S: Simd>(parts: &Sixteen<S>, places: u32) -> u32 {
+fn lanes_of<S: Simd>(parts: &PartSixteen<S>, places: u32) -> u32 {
     set_bits(places).fold(0, |lanes, place| lanes | 1 << parts.lane(place))
 }
 
@@ -160,7 +165,7 @@ fn mask<S: Simd>(simd: S, bits: u32) -> mask32x16<S> {
 #[simd]
 pub(crate) fn missed<S: Simd>(simd: S, distances: &LaneDistances, error: f32x16<S>) -> u32 {
     let LeafPart { middle, half } = LeafPart::whole();
-    let whole = Sixteen::all(simd, middle, half);
+    let whole = PartSixteen::all(simd, middle, half);
     let local = Local::over(simd, distances, &whole, None);
     local.missed(simd, error)
 }
@@ -176,7 +181,7 @@ impl Local {
     fn over<S: Simd>(
         simd: S,
         distances: &LaneDistances,
-        parts: &Sixteen<S>,
+        parts: &PartSixteen<S>,
         bytes: Option<u8x64<S>>,
     ) -> Self {
         let mut local = Self::default();
@@ -413,7 +418,8 @@ mod tests {
             }
             let part = LeafPart { middle: [0.0; 2], half: [1.0; 2] };
             let zero = f32x16::splat(simd, 0.0);
-            let local = Local::over(simd, &lanes, &Sixteen::all(simd, part.middle, part.half), None);
+            let parts = PartSixteen::all(simd, part.middle, part.half);
+            let local = Local::over(simd, &lanes, &parts, None);
             let one = Distances { rows }.over(simd, &part);
             let off = f32x16::splat(simd, 0.01);
             Said {

@@ -6,7 +6,7 @@ use fearless_simd_macros::simd;
 
 use super::convergence::STEPS_IN_F32;
 use crate::intersect::tree::nodes::LANES;
-use crate::intersect::wide::lane_rays::{LaneRays, Sixteen};
+use crate::intersect::wide::lane_rays::{LaneRays, RaySixteen};
 use crate::intersect::wide::vectors::{dot_d, load3d};
 use crate::intersect::wide::view::Fitted;
 use crate::patch::{Leaf, WeightFit};
@@ -86,7 +86,7 @@ impl LaneDistances {
     /// Those of the leaf's middle are computed in f64; what is added to them in f32 has the size of
     /// the leaf, so its rounding error is small compared with the leaf.
     #[simd]
-    pub(crate) fn take<S: Simd>(&mut self, simd: S, fitted: Fitted<'_>, rays: Sixteen<'_>) {
+    pub(crate) fn take<S: Simd>(&mut self, simd: S, fitted: Fitted<'_>, rays: RaySixteen<'_>) {
         self.are_biquadratic = fitted.leaf.is_biquadratic();
         if self.are_biquadratic {
             self.take_terms::<S, 3>(simd, fitted, rays);
@@ -101,7 +101,7 @@ impl LaneDistances {
         &mut self,
         simd: S,
         Fitted { leaf, weight }: Fitted<'_>,
-        rays: Sixteen<'_>,
+        rays: RaySixteen<'_>,
     ) {
         let middle = middle_distances(simd, leaf, rays);
         let normals = rays.normals(simd);
@@ -217,7 +217,7 @@ impl LaneDistances {
 pub(crate) fn step_from_middle<S: Simd>(
     simd: S,
     Fitted { leaf, weight }: Fitted<'_>,
-    rays: Sixteen<'_>,
+    rays: RaySixteen<'_>,
     widened: f32x16<S>,
 ) -> NearRoots<S> {
     let middle = middle_distances(simd, leaf, rays);
@@ -251,7 +251,7 @@ pub(crate) fn terms<S: Simd>(
     simd: S,
     fitted: Fitted<'_>,
     middle: [f32x16<S>; 2],
-    rays: Sixteen<'_>,
+    rays: RaySixteen<'_>,
 ) -> f32x16<S> {
     let sizes = sizes(simd, fitted);
     let mut terms = f32x16::splat(simd, 0.0);
@@ -335,7 +335,7 @@ fn value<S: Simd>(simd: S, lanes: &[[f32; LANES]; 16], x: f32x16<S>, y: f32x16<S
 
 /// The distances of the leaf's middle from the rays' planes, computed in f64.
 #[simd]
-fn middle_distances<S: Simd>(simd: S, leaf: &Leaf, rays: Sixteen<'_>) -> [f32x16<S>; 2] {
+fn middle_distances<S: Simd>(simd: S, leaf: &Leaf, rays: RaySixteen<'_>) -> [f32x16<S>; 2] {
     let [a1, a2] = half_distances(simd, leaf, rays.rays, rays.base);
     let [b1, b2] = half_distances(simd, leaf, rays.rays, rays.base + 8);
     [simd.narrow_f64x8(a1, b1), simd.narrow_f64x8(a2, b2)]
