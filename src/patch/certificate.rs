@@ -119,12 +119,12 @@ const SLOPE_ROUNDING: f64 = 1e-5;
 const ROOM: f64 = 4.0;
 
 /// The margin on each product of the residual with an axis, as a share of the residual, where a
-/// miss is proved: far more than what rounding changes, of a residual that is [`CLEAR`] of the
-/// error, of the point that it is compared with, or of axes in f32.
+/// miss is proved: far more than what rounding changes, of a residual that is [`CLEAR_OF_ERROR`]
+/// times the error, of the point that it is compared with, or of axes in f32.
 pub(crate) const SURELY: f64 = 1e-3;
 
 /// A miss is only proved from residuals more than this many times the error.
-pub(crate) const CLEAR: f64 = 1e4;
+pub(crate) const CLEAR_OF_ERROR: f64 = 1e4;
 
 impl Certificate {
     /// The certificate of the net over the widened rectangle, for rays measured by the leaf's

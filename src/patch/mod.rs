@@ -51,7 +51,7 @@ fn mapped(net: &[DVec4], change: impl Fn(DVec4) -> DVec4) -> BezierNet {
     mapped
 }
 
-pub(crate) use certificate::{CLEAR, Certificate, SURELY};
+pub(crate) use certificate::{CLEAR_OF_ERROR, Certificate, SURELY};
 pub(crate) use frame::PADDING;
 pub(crate) use frame::{ScaledBox, ScaledFrame};
 pub use leaf::Leaf;

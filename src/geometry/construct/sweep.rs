@@ -25,7 +25,7 @@ const OF_PROFILE: f64 = 1e-3;
 
 /// The smallest default tolerance, as a fraction of [`sweep_size`] or of the path's largest
 /// coordinate: rounding does not allow less.
-const FINEST: f64 = 1e-11;
+const FINEST_TOLERANCE: f64 = 1e-11;
 
 /// The surface that a profile passes over when it is carried along a path by a frame that
 /// does not turn about the path.
@@ -83,7 +83,7 @@ pub fn sweep(
 fn default_tolerance(profile: &NurbsCurve, path: &NurbsCurve, options: &SweepOptions) -> f64 {
     let size = sweep_size(profile, path, options);
     let of_profile = OF_PROFILE * (size - extent(path));
-    of_profile.max(FINEST * size.max(path.magnitude())).min(TOLERANCE * size)
+    of_profile.max(FINEST_TOLERANCE * size.max(path.magnitude())).min(TOLERANCE * size)
 }
 
 /// The size to which default tolerances of sweeps, tubes and ribbons are relative: the diagonal of

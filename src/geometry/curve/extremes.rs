@@ -4,11 +4,11 @@ use crate::math::bernstein::{binomial, restrict};
 use crate::math::rounding::UNIT_ROUNDOFF;
 
 /// Extremes are isolated to parameter intervals of this length: the spacing of numbers below 1.
-pub(crate) const FINEST: f64 = UNIT_ROUNDOFF;
+pub(crate) const FINEST_INTERVAL: f64 = UNIT_ROUNDOFF;
 
 /// Adds to `found`, in no order, the parameters in (0, 1) where a coordinate of a rational Bézier
 /// piece may have an extreme: all places where the sign of its derivative changes, to within
-/// [`FINEST`], and perhaps some where a change could not be excluded.
+/// [`FINEST_INTERVAL`], and perhaps some where a change could not be excluded.
 ///
 /// The coordinate is given as its homogeneous Bernstein coefficients (products with the
 /// weights). It is measured from `center`: this changes no extreme, but for coordinates far from 0
@@ -18,8 +18,8 @@ pub(crate) fn add_extremes(coordinate: &[f64], weights: &[f64], center: f64, fou
 }
 
 /// Adds to `found`, in no order, the parameters in (0, 1) where a polynomial changes its sign, to
-/// within [`FINEST`], and perhaps some where a change could not be excluded. The polynomial is
-/// given as its Bernstein coefficients, each with a bound on its rounding error.
+/// within [`FINEST_INTERVAL`], and perhaps some where a change could not be excluded. The
+/// polynomial is given as its Bernstein coefficients, each with a bound on its rounding error.
 pub(crate) fn add_sign_changes(coefficients: Vec<f64>, noise: Vec<f64>, found: &mut Vec<f64>) {
     Polynomial { coefficients, noise }.roots(found);
 }
@@ -75,7 +75,7 @@ impl Polynomial {
                 continue;
             }
             let middle = 0.5 * (from + to);
-            if to - from <= FINEST {
+            if to - from <= FINEST_INTERVAL {
                 found.push(middle);
                 continue;
             }

@@ -18,7 +18,7 @@ pub(crate) use arrange::SAME_PLACE;
 pub use corner_cutting::{CornerCutting, PolygonEnds};
 pub(crate) use course::{Course, Fold};
 pub use error::CurveError;
-pub(crate) use extremes::{FINEST, add_extremes, add_sign_changes};
+pub(crate) use extremes::{FINEST_INTERVAL, add_extremes, add_sign_changes};
 pub use matrix_form::MatrixForm;
 pub use nurbs_curve::{CurveDerivatives, NurbsCurve};
 pub use rational_basis::RationalBasis;

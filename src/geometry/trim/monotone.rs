@@ -6,7 +6,7 @@ use super::UvBox;
 use super::curve::euclidean;
 use super::loop_piece::LoopPiece;
 use super::segment::Segment;
-use crate::geometry::curve::{FINEST, add_extremes};
+use crate::geometry::curve::{FINEST_INTERVAL, add_extremes};
 use crate::math::bernstein::restrict;
 use crate::math::rounding::UNIT_ROUNDOFF;
 
@@ -117,8 +117,8 @@ fn turns(control: &[DVec3]) -> Vec<f64> {
         turns.extend(without_wiggles(extremes, |t| point(t)[axis], wiggle[axis]));
     }
     turns.sort_by(f64::total_cmp);
-    turns.dedup_by(|a, b| *a - *b <= FINEST);
-    turns.retain(|t| FINEST < *t && *t < 1.0 - FINEST);
+    turns.dedup_by(|a, b| *a - *b <= FINEST_INTERVAL);
+    turns.retain(|t| FINEST_INTERVAL < *t && *t < 1.0 - FINEST_INTERVAL);
 
     // Of turns in u and in v that are one point to within rounding, one is enough.
     let (mut before, end) = (point(0.0), point(1.0));

@@ -53,7 +53,7 @@ const MOST_AMPLIFIED: f64 = 0.05;
 const MOST_CONTRACTION: f64 = 0.9;
 
 /// A box is not divided below this side: parameters near 1 have no finer digits.
-const FINEST: f64 = 4.0 * f64::EPSILON;
+const FINEST_SIDE: f64 = 4.0 * f64::EPSILON;
 
 /// The ends of a stretch are found to within this part of the leaf: they are doubtful anyway,
 /// and more precision would be expensive for a ray that runs through many leaves of a plane.
@@ -218,7 +218,7 @@ impl ExactSolver {
         if self.is_empty(problem, rect, &bounds, error) {
             return Verdict::Empty;
         }
-        let exhausted = rect.map(|[from, to]| to - from <= FINEST);
+        let exhausted = rect.map(|[from, to]| to - from <= FINEST_SIDE);
         let within_rounding = bounds.x.magnitude().max(bounds.y.magnitude()) <= 2.0 * error;
         if within_rounding || exhausted == [true; 2] {
             return self.contact(&bounds);
@@ -279,7 +279,7 @@ impl ExactSolver {
     /// and tells how far the ray is from touching; around a pole the first is the distance
     /// from the pole.
     fn turned(&mut self, rect: StRect, bounds: &Bounds, error: f64) -> Verdict {
-        let exhausted = rect.map(|[from, to]| to - from <= FINEST);
+        let exhausted = rect.map(|[from, to]| to - from <= FINEST_SIDE);
         let rotation = longest_direction(self.net.mean_jacobian());
         self.preconditioned.assign(&self.net, rotation);
         let error = error * std::f64::consts::SQRT_2;

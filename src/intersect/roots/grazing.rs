@@ -25,7 +25,7 @@ pub(crate) struct KnownRoot<'a> {
 
 /// Roots whose error bound along the ray is more than this many times the one across it are treated
 /// as a stretch of the ray, not as a square.
-const LONG: f64 = 4.0;
+const STRETCHED: f64 = 4.0;
 
 /// The most squares that are looked at: a few for each halving of a long strip beside an edge.
 const MOST_SQUARES: usize = 256;
@@ -36,7 +36,7 @@ const STEPS: usize = 3;
 impl KnownRoot<'_> {
     /// Whether edges beside the strip must be told from those on it.
     pub(super) fn is_long(&self) -> bool {
-        self.along > LONG * self.error
+        self.along > STRETCHED * self.error
     }
 
     /// The side of the trims that holds all the ray passes over where the root may be; `None` if it

@@ -41,7 +41,7 @@ impl<'a> Question<'a> {
         let jet = piece.patch.jet(root.st);
         let other = piece.normal(root.st, &jet)?.dot(self.ray.axis);
         let alike = cosine * other > 0.0 && cosine.abs().min(other.abs()) > CLEAR_SIDE;
-        let error = root.error.min(MOVED * root.across() / other.abs());
+        let error = root.error.min(START_OFF * root.across() / other.abs());
         let rounding = piece.patch.error_bound(self.ray.magnitude);
         alike.then_some(Start { root, piece, jet, error, rounding })
     }
@@ -52,7 +52,7 @@ const CLEAR_SIDE: f64 = 1e-4;
 
 /// A ray may start as far from the point of a root as twice the root's error (see
 /// [`Query::leaving`]), and the point is off by once that.
-const MOVED: f64 = 3.0;
+const START_OFF: f64 = 3.0;
 
 /// The root that a ray starts on, seen from another surface.
 pub(super) struct Start<'a> {

@@ -34,7 +34,7 @@ impl<'a> Spot<'a> {
         let inward = DVec2::ONE - 2.0 * corner;
         // False for a collapsed side.
         let lengths = [ds.length(), dt.length()];
-        let one_line = ONE_LINE.max(MOVED * (error / lengths[0].max(lengths[1])).sqrt());
+        let one_line = ONE_LINE.max(ONE_LINE_MOVES * (error / lengths[0].max(lengths[1])).sqrt());
         let is_flat = ds.cross(dt).length() < one_line * lengths[0] * lengths[1];
         let is_corner = (self.st - corner).abs().max_element() <= BESIDE_CORNER;
         if !(is_flat && is_corner) {
@@ -48,11 +48,11 @@ impl<'a> Spot<'a> {
     }
 }
 
-/// Tangents have one line if the sine of their angle is less than this, or than [`MOVED`] times the
-/// part of the piece by which rounding moves a place at such a corner: the square root of the error
-/// of points over the length of the piece.
+/// Tangents have one line if the sine of their angle is less than this, or than [`ONE_LINE_MOVES`]
+/// times the part of the piece by which rounding moves a place at such a corner: the square root of
+/// the error of points over the length of the piece.
 const ONE_LINE: f64 = 1e-5;
-const MOVED: f64 = 16.0;
+const ONE_LINE_MOVES: f64 = 16.0;
 
 /// How far from such a corner, in each parameter of the piece, normals are compared: farther than
 /// rounding moves a place there, unless the piece is very far from the origin.

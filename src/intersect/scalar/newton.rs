@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use crate::math::{RayFrame, rounding};
-use crate::patch::{CLEAR, Jet, SURELY, StRect, TensorPatch};
+use crate::patch::{CLEAR_OF_ERROR, Jet, SURELY, StRect, TensorPatch};
 
 /// The most steps: from a flat leaf's middle plane three are usual, since the number of
 /// correct digits doubles; what needs more steps than this is left to the exact solver.
@@ -110,7 +110,7 @@ pub(super) fn newton(
 
         let (a, b) = (ray.across(jet.ds), ray.across(jet.dt));
         let delta = DVec2::new(f.perp_dot(b), a.perp_dot(f)) / a.perp_dot(b);
-        if residual > CLEAR * error && grounds.rule_out(ray, st, delta, f) {
+        if residual > CLEAR_OF_ERROR * error && grounds.rule_out(ray, st, delta, f) {
             return (Newton::Missed, steps);
         }
         let next = (st - delta).clamp(low, high);

@@ -3,7 +3,9 @@
 use glam::{DMat2, DVec2};
 
 use super::end_queue::{EndBox, EndQueue};
-use super::{AT_POLE, END, END_BUDGET, ExactSolver, FINEST, Problem, Proof, STRETCH, Solution};
+use super::{
+    AT_POLE, END, END_BUDGET, ExactSolver, FINEST_SIDE, Problem, Proof, STRETCH, Solution,
+};
 use super::{halves, inner, linearised};
 use crate::intersect::exact::contact::{self, Contact};
 use crate::patch::{StRect, holds};
@@ -76,7 +78,7 @@ impl ExactSolver {
         if self.is_empty(problem, rect, &bounds, self.error) {
             return;
         }
-        let exhausted = rect.map(|[from, to]| to - from <= FINEST);
+        let exhausted = rect.map(|[from, to]| to - from <= FINEST_SIDE);
         let finest = (2.0 * problem.error).max(END * self.size);
         queue.push(EndBox {
             rect,

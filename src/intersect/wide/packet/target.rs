@@ -13,7 +13,9 @@ use crate::intersect::wide::surface::jets::jets;
 use crate::intersect::wide::surface::sums::{Jets, OneNet};
 use crate::intersect::wide::vectors::dot_d;
 use crate::intersect::wide::view::{BvhView, Fitted};
-use crate::patch::{BESIDE_COLLAPSED, CLEAR, Leaf, OrientedBox, Piece, SURELY, StRect, WIDENING};
+use crate::patch::{
+    BESIDE_COLLAPSED, CLEAR_OF_ERROR, Leaf, OrientedBox, Piece, SURELY, StRect, WIDENING,
+};
 
 /// A leaf, its piece, and which leaf it is.
 #[derive(Clone, Copy)]
@@ -261,8 +263,9 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
         let away_s = beyond_s & (from_middle_s * step_s).simd_lt(zero);
         let away_t = beyond_t & (from_middle_t * step_t).simd_lt(zero);
         let (sure_s, sure_t) = (across_b.simd_gt(turned_s), across_a.simd_gt(turned_t));
-        let clear =
-            residual.simd_gt(rays.error() * rays.error() * f64x8::splat(simd, CLEAR * CLEAR));
+        let clear = residual.simd_gt(
+            rays.error() * rays.error() * f64x8::splat(simd, CLEAR_OF_ERROR * CLEAR_OF_ERROR),
+        );
         clear & (away_s & sure_s | away_t & sure_t)
     }
 }

@@ -46,7 +46,7 @@ use crate::intersect::wide::reach::LEAF;
 use crate::intersect::wide::search::distances::{LastStep, NearRoots};
 use crate::intersect::wide::trimmed::{EDGE_REACH, Places, kept_in_window};
 use crate::intersect::wide::vectors::lane_bits;
-use crate::patch::{CLEAR, Leaf, OrientedBox, SURELY, WIDENING};
+use crate::patch::{CLEAR_OF_ERROR, Leaf, OrientedBox, SURELY, WIDENING};
 
 /// Half the side of the largest square about the root that was found, in box coordinates.
 const MOST_OFF: f32 = 1.0 / 128.0;
@@ -209,8 +209,10 @@ impl<S: Simd> Screen<'_, S> {
         let sign = self.upright;
         let away_s = (along_b * sign * at[0]).simd_lt(zero) & along_b.abs().simd_gt(turned_s);
         let away_t = (along_a * sign * at[1]).simd_gt(zero) & along_a.abs().simd_gt(turned_t);
-        let clear =
-            f1.abs().max(f2.abs()).simd_gt(off + self.error * f32x16::splat(simd, CLEAR as f32));
+        let clear = f1
+            .abs()
+            .max(f2.abs())
+            .simd_gt(off + self.error * f32x16::splat(simd, CLEAR_OF_ERROR as f32));
         clear & (outside[0] & away_s | outside[1] & away_t)
     }
 }

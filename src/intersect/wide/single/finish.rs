@@ -18,7 +18,7 @@ use crate::intersect::wide::search::convergence::{
     COARSEST, MOST_ROUNDED, MOST_STEPS, PART_OF_ERROR,
 };
 use crate::intersect::wide::surface::form::{Form, with_degrees, with_numbers};
-use crate::intersect::wide::surface::power_lines::LONG;
+use crate::intersect::wide::surface::power_lines::MOST_IN_LINE;
 use crate::intersect::wide::surface::sums::OneNet;
 use crate::intersect::wide::view::Fitted;
 use crate::math::bernstein::MAX_DEGREE;
@@ -76,7 +76,7 @@ pub(super) fn finish<S: Simd>(
         })
     } else if form.by_powers {
         with_numbers!(form, |C| {
-            finish_of::<S, Powers<0, 0, C, LONG>>(simd, leaf, surface, ray, wanted, found)
+            finish_of::<S, Powers<0, 0, C, MOST_IN_LINE>>(simd, leaf, surface, ray, wanted, found)
         })
     } else if degree < 8 {
         with_numbers!(form, |C| {

@@ -4,7 +4,7 @@ use fearless_simd::{Simd, SimdBase, SimdMask, f64x8, mask64x8};
 use fearless_simd_macros::simd;
 
 use super::form::{Form, MOST_DEGREE};
-use super::power_lines::{LONG, Lines, Shares, coefficients, make_lines};
+use super::power_lines::{Lines, MOST_IN_LINE, Shares, coefficients, make_lines};
 use super::spline_net::make;
 use super::sums::Net;
 use crate::intersect::tree::nodes::LANES;
@@ -191,10 +191,10 @@ fn make_all_long<S: Simd>(
     [along_s, along_t]: &[[ToPowers<'_>; 8]; 2],
     numbers: &mut Numbers,
 ) {
-    let shares = in_lanes::<S, LONG>(simd, along_s, p);
+    let shares = in_lanes::<S, MOST_IN_LINE>(simd, along_s, p);
     let columns = Lines { blocks: 1, apart: 0, count: length, step: length };
     make_lines(simd, &shares, p, columns, numbers);
-    let shares = in_lanes::<S, LONG>(simd, along_t, q);
+    let shares = in_lanes::<S, MOST_IN_LINE>(simd, along_t, q);
     let size = length / (q + 1);
     let rows = Lines { blocks: p + 1, apart: length, count: size, step: size };
     make_lines(simd, &shares, q, rows, numbers);

@@ -7,7 +7,7 @@ use fearless_simd_macros::simd;
 use crate::patch::{MOST_DEGREE_BY_POWERS, ToPowers};
 
 /// The largest number of points of a line.
-pub(crate) const LONG: usize = MOST_DEGREE_BY_POWERS + 1;
+pub(crate) const MOST_IN_LINE: usize = MOST_DEGREE_BY_POWERS + 1;
 
 /// For each coefficient the [shares](ToPowers::shares) of control points, for degrees below `N`.
 pub(super) type Shares<S, const N: usize> = [[f64x8<S>; N]; N];
@@ -48,7 +48,7 @@ pub(super) struct Lines {
 #[inline(always)]
 pub(super) fn make_lines<S: Simd>(
     simd: S,
-    shares: &Shares<S, LONG>,
+    shares: &Shares<S, MOST_IN_LINE>,
     degree: usize,
     lines: Lines,
     numbers: &mut [[f64; 8]],
@@ -60,7 +60,7 @@ pub(super) fn make_lines<S: Simd>(
         4 => make_lines_of::<S, 5>(simd, shares, lines, numbers),
         5 => make_lines_of::<S, 6>(simd, shares, lines, numbers),
         6 => make_lines_of::<S, 7>(simd, shares, lines, numbers),
-        _ => make_lines_of::<S, LONG>(simd, shares, lines, numbers),
+        _ => make_lines_of::<S, MOST_IN_LINE>(simd, shares, lines, numbers),
     }
 }
 
@@ -69,7 +69,7 @@ pub(super) fn make_lines<S: Simd>(
 #[simd]
 fn make_lines_of<S: Simd, const N: usize>(
     simd: S,
-    shares: &Shares<S, LONG>,
+    shares: &Shares<S, MOST_IN_LINE>,
     lines: Lines,
     numbers: &mut [[f64; 8]],
 ) {

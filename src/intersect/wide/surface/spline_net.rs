@@ -3,7 +3,7 @@
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdSplit, f64x4, f64x8};
 use fearless_simd_macros::simd;
 
-use super::power_lines::{LONG, Lines, Shares, coefficients, make_lines};
+use super::power_lines::{Lines, MOST_IN_LINE, Shares, coefficients, make_lines};
 use crate::patch::{
     LONGEST, LONGEST_OF_CUBIC, NetRoom, NetSource, PieceNet, SplineNet, TensorPatch, ToPowers,
 };
@@ -91,13 +91,13 @@ fn make_long<S: Simd>(
     for i in 0..=p {
         *room.row::<LONGEST>(i) = *spline.row(i);
     }
-    let shares = in_all_lanes::<S, LONG>(simd, along_s, p);
+    let shares = in_all_lanes::<S, MOST_IN_LINE>(simd, along_s, p);
     let columns = Lines { blocks: 1, apart: 0, count: (size * (q + 1)).div_ceil(8), step: EIGHTS };
     make_lines(simd, &shares, p, columns, room.eights());
-    let shares = in_all_lanes::<S, LONG>(simd, along_t, q);
+    let shares = in_all_lanes::<S, MOST_IN_LINE>(simd, along_t, q);
     for first in (0..=p).step_by(2) {
         let second = (first + 1).min(p);
-        let mut points = [[0.0; 8]; LONG];
+        let mut points = [[0.0; 8]; MOST_IN_LINE];
         for j in 0..=q {
             for (row, half) in [(first, 0), (second, 4)] {
                 let numbers = &room.row::<LONGEST>(row)[size * j..size * j + 4];
