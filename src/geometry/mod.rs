@@ -75,7 +75,7 @@ pub use knots::{
 pub(crate) use knots::{LEAST_AROUND, periodic_values};
 pub use magnitude::{MAX_MAGNITUDE, MIN_MAGNITUDE, is_usable_weight};
 pub(crate) use polygon::{Extraction, Extractions};
-pub use polygon::{bernstein, de_casteljau, halves};
+pub use polygon::{bernstein, de_casteljau, split_bezier};
 pub use rect_side::RectSide;
 pub(crate) use surface::BezierForm;
 pub use surface::{NurbsSurface, SurfaceCurvature, SurfaceDerivatives, SurfaceError, matrix_patch};

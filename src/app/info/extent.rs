@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use glam::{DVec2, DVec3, DVec4};
-use nurbray::geometry::halves;
+use nurbray::geometry::split_bezier;
 use nurbray::math::Aabb;
 use nurbray::math::bernstein::restrict_net;
 use nurbray::patch::TensorPatch;
@@ -165,7 +165,9 @@ impl Part {
 /// The control points of the two halves of a line of them.
 fn halved(line: &[DVec2]) -> (Vec<DVec2>, Vec<DVec2>) {
     let line: Vec<DVec4> = line.iter().map(|c| DVec4::new(c.x, 0.0, 0.0, c.y)).collect();
-    let (below, above) = halves(&line, 0.5);
+    // All pieces can be split. One that cannot would be its own two halves: no limit is wrong.
+    let whole = || (line.clone(), line.clone());
+    let (below, above) = split_bezier(&line, 0.5).unwrap_or_else(whole);
     let narrow = |line: Vec<DVec4>| line.iter().map(|c| DVec2::new(c.x, c.w)).collect();
     (narrow(below), narrow(above))
 }

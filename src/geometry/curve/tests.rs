@@ -232,7 +232,7 @@ fn there_are_no_more_control_points_than_there_are() {
 }
 
 #[test]
-fn halves_and_bernstein_sums_agree_with_de_casteljau() {
+fn splits_and_bernstein_sums_agree_with_de_casteljau() {
     let points: Vec<DVec4> = (0..8)
         .map(|k| DVec4::new(f64::from(k), f64::from(k * k % 5), 1.0, 1.0 + f64::from(k % 3)))
         .collect();
@@ -241,7 +241,7 @@ fn halves_and_bernstein_sums_agree_with_de_casteljau() {
         let basis = bernstein(7, t).unwrap();
         let sum: DVec4 = points.iter().zip(basis).map(|(&point, b)| b * point).sum();
         assert!((sum - point).length() < 1e-14);
-        let (below, above) = halves(&points, t);
+        let (below, above) = split_bezier(&points, t).unwrap();
         assert!((below[7] - point).length() < 1e-14);
         assert_eq!(below[7], above[0]);
         assert_eq!((below[0], above[7]), (points[0], points[7]));
@@ -250,7 +250,10 @@ fn halves_and_bernstein_sums_agree_with_de_casteljau() {
     }
     assert!(de_casteljau(&[], 0.5).is_none());
     assert!(de_casteljau(&vec![DVec4::W; MAX_DEGREE + 2], 0.5).is_none());
+    assert!(split_bezier(&[], 0.5).is_none());
+    assert!(split_bezier(&vec![DVec4::W; MAX_DEGREE + 2], 0.5).is_none());
     assert!(bernstein(MAX_DEGREE + 1, 0.5).is_none());
+    assert!(bernstein(3, 0.3).unwrap()[4..].iter().all(|&b| b == 0.0));
 }
 
 /// On a curve of polynomials, and on the quarter circle `x + i y = (1 + i t) / (1 − i t)`, whose

@@ -26,10 +26,15 @@ pub fn de_casteljau(points: &[DVec4], t: f64) -> Option<DVec4> {
     (count > 0).then_some(d[0])
 }
 
-/// The control points of the two halves of a Bézier curve below and above `t`: the first
+/// The control points of the two pieces of a Bézier curve below and above `t`: the first
 /// and the last points of each round of de Casteljau's algorithm. They share the point at
 /// `t` bit for bit.
-pub fn halves(points: &[DVec4], t: f64) -> (Vec<DVec4>, Vec<DVec4>) {
+///
+/// `None` for no points or more than [`MAX_DEGREE`] + 1.
+pub fn split_bezier(points: &[DVec4], t: f64) -> Option<(Vec<DVec4>, Vec<DVec4>)> {
+    if !(1..=MAX_DEGREE + 1).contains(&points.len()) {
+        return None;
+    }
     let mut above = points.to_vec();
     let mut below = Vec::with_capacity(points.len());
     for last in (0..points.len()).rev() {
@@ -38,7 +43,7 @@ pub fn halves(points: &[DVec4], t: f64) -> (Vec<DVec4>, Vec<DVec4>) {
             above[j] = mix(above[j], above[j + 1], t);
         }
     }
-    (below, above)
+    Some((below, above))
 }
 
 /// The Bernstein polynomials `B_{k,n}(t) = (n choose k) tᵏ (1 − t)ⁿ⁻ᵏ`, `k = 0 … n`.
@@ -46,7 +51,7 @@ pub fn halves(points: &[DVec4], t: f64) -> (Vec<DVec4>, Vec<DVec4>) {
 /// A Bézier curve is `Σ P_i B_{i,n}(t)`: n is the second index, where the course deck prints
 /// `B_{i,t}(t)` on two slides.
 ///
-/// `None` for degrees above [`MAX_DEGREE`].
+/// Entries beyond the one at `degree` are 0. `None` for degrees above [`MAX_DEGREE`].
 pub fn bernstein(degree: usize, t: f64) -> Option<BasisValues> {
     let mut values = [0.0; MAX_DEGREE + 1];
     if degree > MAX_DEGREE {

@@ -6,7 +6,7 @@ mod elevation;
 mod extraction;
 mod insertion;
 
-pub use bezier::{bernstein, de_casteljau, halves};
+pub use bezier::{bernstein, de_casteljau, split_bezier};
 pub(crate) use elevation::elevate;
 pub(crate) use extraction::{Extraction, Extractions};
 pub(crate) use insertion::{Insertions, merged, mix, mix_by, refine, restrict, shares};

@@ -93,12 +93,12 @@ fn halvings(net: &[[DVec3; 4]; 4], flatness: f64) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::halves;
+    use crate::geometry::split_bezier;
 
     /// Half the net, below the middle in both directions.
     fn quarter(net: &[[DVec3; 4]; 4]) -> [[DVec3; 4]; 4] {
         let half = |line: [DVec3; 4]| {
-            let (below, _) = halves(&line.map(|p| p.extend(1.0)), 0.5);
+            let (below, _) = split_bezier(&line.map(|p| p.extend(1.0)), 0.5).unwrap();
             [0, 1, 2, 3].map(|k| below[k].xyz())
         };
         let rows = net.map(half);
