@@ -1,6 +1,6 @@
 //! Shared by the proofs about one ray and a leaf: parts of leaves, and rounding errors.
 
-use crate::intersect::wide::reach::LEAF;
+use crate::intersect::wide::reach::WITH_SLACK_F32;
 use crate::patch::LEAF_SLACK;
 
 /// Rounding error in f32 of distances whose terms add up to one: 33 units of 2⁻²⁴. A coefficient
@@ -59,7 +59,7 @@ pub(crate) struct LeafPart {
 impl LeafPart {
     /// The leaf and its slack.
     pub(super) fn whole() -> Self {
-        Self { middle: [0.0; 2], half: [LEAF; 2] }
+        Self { middle: [0.0; 2], half: [WITH_SLACK_F32; 2] }
     }
 
     /// Its two halves, cut across the longer side, for the lengths of the leaf's sides.

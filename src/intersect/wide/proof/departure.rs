@@ -59,7 +59,7 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
 use fearless_simd_macros::simd;
 
 use self::approximation::{Bends, Plane, Weights};
-use crate::intersect::wide::reach::LEAF;
+use crate::intersect::wide::reach::WITH_SLACK_F32;
 use crate::intersect::wide::vectors::lane_bits;
 use crate::intersect::wide::view::Fitted;
 use crate::patch::FIT_DOMAIN;
@@ -183,7 +183,7 @@ impl<S: Simd> Departure<S> {
     #[inline(always)]
     fn farthest(&self, simd: S, [length_x, length_y]: [f32; 2]) -> [f32x16<S>; 2] {
         let [x, y] = self.place;
-        let reach = f32x16::splat(simd, LEAF + ROOT_APART);
+        let reach = f32x16::splat(simd, WITH_SLACK_F32 + ROOT_APART);
         [
             (x.abs() + reach) * f32x16::splat(simd, length_x),
             (y.abs() + reach) * f32x16::splat(simd, length_y),

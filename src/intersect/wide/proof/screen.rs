@@ -42,7 +42,7 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 
 use super::bounds::{DISTANCE_ROUNDING, LARGEST};
 use crate::geometry::trim::WindowCurve;
-use crate::intersect::wide::reach::LEAF;
+use crate::intersect::wide::reach::WITH_SLACK_F32;
 use crate::intersect::wide::search::distances::{LastStep, NearRoots};
 use crate::intersect::wide::trimmed::{EDGE_REACH, Places, kept_in_window};
 use crate::intersect::wide::vectors::lane_bits;
@@ -126,7 +126,7 @@ impl<S: Simd> Screen<'_, S> {
         let (x, y) = (to[0].abs(), to[1].abs());
         let (farthest, spare) = (x.max(y), radius + f32x16::splat(simd, 2.0 * f32::EPSILON));
         let in_domain = (farthest + spare).simd_le(f32x16::splat(simd, DOMAIN));
-        let beyond = (farthest - spare).simd_gt(f32x16::splat(simd, LEAF));
+        let beyond = (farthest - spare).simd_gt(f32x16::splat(simd, WITH_SLACK_F32));
         let within = (farthest + spare).simd_le(f32x16::splat(simd, INSIDE));
         let mut missed = lane_bits(known & in_domain & beyond);
         let mut met = lane_bits(known & within);
@@ -138,8 +138,8 @@ impl<S: Simd> Screen<'_, S> {
             met &= lane_bits(steady) & decided & kept;
         }
         let outside = [
-            from[0].abs().simd_gt(f32x16::splat(simd, LEAF)),
-            from[1].abs().simd_gt(f32x16::splat(simd, LEAF)),
+            from[0].abs().simd_gt(f32x16::splat(simd, WITH_SLACK_F32)),
+            from[1].abs().simd_gt(f32x16::splat(simd, WITH_SLACK_F32)),
         ];
         let open = lanes & !(missed | met);
         if open & lane_bits(outside[0] | outside[1]) != 0 {
