@@ -72,8 +72,8 @@ pub struct Cage {
 const MAX_CORNERS: usize = 1 << 28;
 
 /// The largest finite sharpness: a crease of sharpness 10 is rounded over a thousandth of a face,
-/// and may need about four thousand patches
-/// per edge where it does not go straight on. OpenSubdiv treats 10 as infinite.
+/// and may need about four thousand patches per edge where it does not go straight on. OpenSubdiv
+/// treats 10 as infinite.
 pub(super) const MAX_SHARPNESS: f64 = 10.0;
 
 impl Cage {

@@ -107,8 +107,8 @@ pub enum Coverage {
 /// reported otherwise, edges included: the kept part is closed, as a surface is at its border. A
 /// hit is flagged as being at a trim edge if it is an [`Side::Edge`]
 /// [within](Trims::contains_within) the error bound of its point in space, but not if the only
-/// curves there lie on the domain's border. Away from edges, the few curves of a leaf's window
-/// (`window`) give the same answers faster.
+/// curves there lie on the domain's border. Away from edges, the few curves near a leaf give the
+/// same answers faster.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trims {
     domain: TrimDomain,

@@ -103,7 +103,8 @@ impl Doubts {
         let weighted = error * f32x16::splat(simd, fitted.heaviest());
         let noise = terms * f32x16::splat(simd, DISTANCE_ROUNDING);
         let [x, y] = leaf.half_side_lengths();
-        // Nothing can be proved where rounding hides the leaf; both are false for NaN.
+        // Nothing can be proved where rounding hides the leaf, as `shows` tells for one ray; both
+        // are false for NaN.
         let in_range = terms.simd_le(f32x16::splat(simd, LARGEST));
         let known = lanes & lane_bits(in_range & noise.simd_lt(f32x16::splat(simd, x.min(y))));
         let chosen = mask32x16::from_bitmask(simd, u64::from(known));

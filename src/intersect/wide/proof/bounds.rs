@@ -17,14 +17,15 @@ pub(super) const UNDERFLOW: f32 = f32::MIN_POSITIVE;
 /// f32, and their differences would be NaN.
 pub(crate) const LARGEST: f32 = 1e18;
 
-/// Whether rounding hides a leaf of these half sides: the errors of its tangents, twice the `noise`
-/// of its distances, are as long as its shorter tangents, and so in each of its parts, as both
-/// shrink alike. Then no part of it is proved to hold one root only, however small, and few to hold
-/// none: its box is not much thicker than the noise, and the ray met that. (In a few leaves, whose
-/// tangents are longer elsewhere than in the middle, something might have been proved.)
+/// Whether a leaf of these half sides shows despite rounding; false for NaN. If not, the errors of
+/// its tangents, twice the `noise` of its distances, are as long as its shorter tangents, and so in
+/// each of its parts, as both shrink alike. Then no part of it is proved to hold one root only,
+/// however small, and few to hold none: its box is not much thicker than the noise, and the ray met
+/// that. (In a few leaves, whose tangents are longer elsewhere than in the middle, something might
+/// have been proved.)
 #[inline(always)]
-pub(super) fn hidden(noise: f32, [x, y]: [f32; 2]) -> bool {
-    noise >= x.min(y)
+pub(super) fn shows(noise: f32, [x, y]: [f32; 2]) -> bool {
+    noise < x.min(y)
 }
 
 /// Roots are unique in a box widened by this factor, so that one on its side is not lost.

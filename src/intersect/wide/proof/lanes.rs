@@ -1,5 +1,9 @@
-//! Proofs from the bicubic approximations of leaves for sixteen rays, each lane as in
-//! [`one_ray`](super::one_ray).
+//! Proofs from the bicubic approximations of leaves for sixteen rays: what is proved of a part is
+//! what [`one_ray`](super::one_ray) proves of it.
+//!
+//! The limits are others: one ray alone is left to the scalar search after a number of parts, or of
+//! parts with a root each; a lane is only where a part that was halved `MOST_HALVINGS` times would
+//! have to be halved again.
 //!
 //! Some rays need many parts. So the lanes hold parts of any of the rays, sixteen at a time
 //! ([`LaneParts`]). Which parts of a ray are examined, and what is proved of them, depends on the

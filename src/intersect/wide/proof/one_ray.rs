@@ -21,7 +21,7 @@ use fearless_simd_macros::simd;
 
 use super::bounds::{
     DISTANCE_ROUNDING, GROWN, LARGEST, LeafPart, MAY_STEP, MOST_INVERSE, MOST_NOISE, SMALLEST,
-    START_GROWN, UNDERFLOW, hidden,
+    START_GROWN, UNDERFLOW, shows,
 };
 use super::cubic::{bernstein, moved, slope_weights};
 use crate::intersect::wide::search::one_ray::{Distances, transposed_rows};
@@ -70,7 +70,7 @@ pub(crate) fn isolate<S: Simd>(
     let terms = distances.terms(simd, fitted, ray);
     let in_range = terms <= LARGEST; // false for NaN
     let noise = DISTANCE_ROUNDING * terms;
-    if !in_range || hidden(noise, lengths) {
+    if !(in_range && shows(noise, lengths)) {
         return None;
     }
     // A ray that passes within the error of a border meets it: what is closer than this is not

@@ -235,8 +235,15 @@ struct FoundRoot {
 }
 
 /// Judges whether a root of the leaf is a hit, which is then put into `found`; of a root at an end
-/// of the ray, its place is. The rules are those of
-/// [`Converged::verdict`](crate::intersect::wide::search::newton::Converged::verdict).
+/// of the ray, its place is.
+///
+/// The rules are those of
+/// [`Converged::verdict`](crate::intersect::wide::search::newton::Converged::verdict), but that
+/// - a root off the piece by more than `clearance` is a miss, where there it is undecided;
+/// - the secant is not capped. It exceeds `1/ε` only for rays along the surface to within rounding:
+///   the error along them is larger then, or infinite, and more is left to the scalar search;
+/// - whether parameters are fine enough is asked of all roots; of its own, a certificate has shown
+///   it.
 #[inline(always)]
 fn judge(
     root: &FoundRoot,

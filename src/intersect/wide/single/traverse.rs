@@ -193,7 +193,6 @@ pub(crate) fn search_ahead<S: Simd>(
 
 /// How near a pole a ray must pass, as a part of the leaf's longer half side, for the proof to be
 /// given up before it is tried: it would halve the leaf many times, and then as a rule in vain.
-/// Measured on a lens and two spheres.
 const NEAR_POLE: f64 = 1.0 / 8.0;
 
 #[inline(always)]
