@@ -101,9 +101,11 @@ mod bvh;
 mod coherence;
 mod crossings;
 mod exact;
+mod flags;
 mod hit;
 mod kernel;
 mod level;
+mod query;
 mod roots;
 mod scalar;
 mod statistics;
@@ -113,8 +115,10 @@ mod wide;
 
 pub use bvh::SurfaceBvh;
 pub use coherence::{Coherence, Neighbours};
-pub use hit::{Answer, Hit, HitFlags, Occlusion, Query, Root, Shot};
+pub use flags::HitFlags;
+pub use hit::{Answer, Hit, Occlusion, Root};
 pub use kernel::{Kernel, UnknownKernel};
+pub use query::{Query, Shot};
 pub use statistics::Statistics;
 pub use tracer::Tracer;
 

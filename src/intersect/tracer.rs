@@ -16,8 +16,8 @@ use glam::DVec3;
 
 use self::looks::reported_normal;
 use super::crossings::merge::merge;
-use super::hit::{OneShot, Shots};
 use super::level::Level;
+use super::query::{OneShot, Shots};
 use super::roots::accept::AROUND;
 use super::roots::meeting::Meeting;
 use super::roots::question::{PlacedLeaf, Question};

@@ -2,7 +2,7 @@
 
 use super::borders::{at_border, trim_reach};
 use crate::geometry::trim::Side;
-use crate::intersect::hit::StartIn;
+use crate::intersect::query::StartIn;
 use crate::intersect::{Query, Root};
 use crate::math::RayFrame;
 use crate::patch::{Jet, Leaf, OrientedBox, Passage, PatchSet, Piece, ScaledFrame};

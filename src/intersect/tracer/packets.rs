@@ -3,8 +3,8 @@
 
 use super::looks::border_flag;
 use super::{PacketScratch, answer_of};
-use crate::intersect::hit::StartIn;
 use crate::intersect::level::{Level, dispatch};
+use crate::intersect::query::StartIn;
 use crate::intersect::roots::meeting::{CertainHit, Meeting};
 use crate::intersect::scalar::findings::occlusion;
 use crate::intersect::wide::{Ahead, LaneHit, Moment, PACKET, ReadAhead, Wanted, trace};

@@ -4,8 +4,8 @@ use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
 use super::singles::Certain;
-use crate::intersect::hit::OneShot;
 use crate::intersect::level::{Level, dispatch};
+use crate::intersect::query::OneShot;
 use crate::intersect::wide::{FLIGHTS, Wanted, trace_stream};
 use crate::intersect::{Answer, Occlusion, Shot, Tracer};
 

@@ -4,7 +4,7 @@ use fearless_simd::{Simd, SimdBase, SimdMask, f64x8, u32x16};
 use fearless_simd_macros::simd;
 
 use crate::intersect::Shot;
-use crate::intersect::hit::StartIn;
+use crate::intersect::query::StartIn;
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::PACKET;
 use crate::patch::PatchSet;

@@ -13,7 +13,7 @@ use super::settle::settle;
 use super::shared_bounds::{enter, enter_block};
 use super::work::Work;
 use crate::intersect::Shot;
-use crate::intersect::hit::StartIn;
+use crate::intersect::query::StartIn;
 use crate::intersect::tree::nodes::{Child, LANES, Region};
 use crate::intersect::wide::PACKET;
 use crate::intersect::wide::box_ray::{first_entered, push_in_order};

@@ -8,7 +8,7 @@ use fearless_simd_macros::simd;
 use glam::DVec2;
 
 use crate::intersect::Shot;
-use crate::intersect::hit::StartIn;
+use crate::intersect::query::StartIn;
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::frames::{Frames, perpendicular, transposed};
 use crate::intersect::wide::hit_place::HitPlace;

@@ -9,7 +9,7 @@ use fearless_simd::{Simd, SimdBase, f32x16, f64x8};
 use fearless_simd_macros::simd;
 
 use super::pairs::{Pair, PairLanes};
-use crate::intersect::hit::StartIn;
+use crate::intersect::query::StartIn;
 use crate::intersect::tree::nodes::{Child, ChildCode, LANES, Way};
 use crate::intersect::wide::box_ray::{
     BOX_SPARE, BoxRay, Crossings, Stack, first_entered, push_unforeseen,
