@@ -8,16 +8,14 @@
 use fearless_simd::{Simd, SimdBase, f32x16, f64x8};
 use fearless_simd_macros::simd;
 
+use super::flight::Flight;
 use super::pairs::{Pair, PairLanes};
 use crate::intersect::query::StartIn;
 use crate::intersect::tree::nodes::{Child, ChildCode, LANES, Way};
-use crate::intersect::wide::box_ray::{
-    BOX_SPARE, BoxRay, Crossings, Stack, first_entered, push_unforeseen,
-};
+use crate::intersect::wide::box_ray::{BOX_SPARE, Crossings, first_entered, push_unforeseen};
 use crate::intersect::wide::frames::{Frames, Narrow};
-use crate::intersect::wide::hit_place::HitPlace;
-use crate::intersect::wide::nearest::{Kept, is_cut_off, keep};
-use crate::intersect::wide::single::ray::{Guess, SingleHit, SingleRay, boxes_in};
+use crate::intersect::wide::nearest::is_cut_off;
+use crate::intersect::wide::single::ray::{Guess, SingleHit, SingleRay};
 use crate::intersect::wide::single::traverse::{SingleWork, search_ahead};
 use crate::intersect::wide::start::{Line, Start};
 use crate::intersect::wide::surface::form::Form;
@@ -26,29 +24,10 @@ use crate::intersect::wide::wanted::Wanted;
 use crate::intersect::{Shot, Statistics};
 use crate::math::bits::has;
 use crate::math::{Ray, RayFrame};
-use crate::patch::ScaledFrame;
 
 /// Rays in flight at a time: enough to fill the lanes with pairs, few enough for their data to stay
 /// near the processor.
 pub(crate) const FLIGHTS: usize = 256;
-
-/// A ray on its way.
-#[derive(Clone, Debug, Default)]
-struct Flight {
-    boxes: BoxRay,
-    /// The boxes still to be entered.
-    stack: Stack,
-    /// As in [`SingleRay`].
-    shift: f64,
-    scale: f64,
-    magnitude: f64,
-    t_from_z: f64,
-    /// The nearest hit so far, if there is one.
-    met: bool,
-    hit: SingleHit,
-    /// Whether the ray is to be traced by itself from the beginning.
-    alone: bool,
-}
 
 /// Scratch memory and results of tracing a batch of rays.
 #[derive(Debug, Default)]
@@ -413,54 +392,6 @@ impl<'a> StreamRay<'a> {
         {
             flight.hit = *hit;
         }
-    }
-}
-
-impl Flight {
-    /// Puts the ray among those on their way, if there is anything more for it to enter.
-    #[inline(always)]
-    fn go_on(&mut self, k: u32, walking: &mut Vec<(u32, ChildCode)>) {
-        while let Some((entry, code)) = self.stack.pop() {
-            if entry <= self.boxes.far {
-                walking.push((k, code));
-                return;
-            }
-        }
-    }
-
-    /// Goes on in other scaled coordinates. (Back in the first ones, they may be rounded
-    /// differently from those of [`start`], but in the same way for every such ray.)
-    #[cold]
-    fn change_to(&mut self, scaled: &ScaledFrame, ray: &Ray) {
-        let frame = RayFrame::new(ray);
-        let end = if self.met { self.hit.z } else { frame.z_range[1] };
-        (self.boxes, self.shift) = boxes_in(scaled, &frame, end);
-        self.scale = scaled.scale;
-    }
-
-    /// Whether nothing more is asked for.
-    #[inline(always)]
-    fn is_done(&self) -> bool {
-        self.boxes.far == f32::NEG_INFINITY
-    }
-
-    /// Whether a hit is the nearest so far; if so, ends the ray there or, if any will do, at once.
-    #[inline(always)]
-    fn takes(&mut self, view: &BvhView<'_>, hit: &HitPlace, wanted: Wanted) -> bool {
-        let known = self.hit.place();
-        match keep(hit, view, self.met.then_some(&known)) {
-            Kept::Nearer => {
-                self.boxes.far = wanted.far(hit.z, self.shift, self.scale);
-                self.met = true;
-                if self.is_done() {
-                    self.stack.clear();
-                }
-                return true;
-            }
-            Kept::Not => {}
-            Kept::Undecided => self.alone = true,
-        }
-        false
     }
 }
 
