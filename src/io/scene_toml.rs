@@ -369,11 +369,12 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Returns a name, which must be a single line of one character or more.
+    /// Returns a name, which must be a single line, and not blank.
     fn name(&self, name: Spanned<String>) -> Result<Written<String>, LoadError> {
         let name = self.written(name, |name| name);
-        if name.value.is_empty() {
-            return Err(LoadError::malformed(name.place, "a name needs a letter at least"));
+        if name.value.trim().is_empty() {
+            let message = "a name needs a character that is not blank";
+            return Err(LoadError::malformed(name.place, message));
         }
         if name.value.contains(char::is_control) {
             let message = "a name is a single line, without control characters";

@@ -271,6 +271,9 @@ impl GridMesh {
     /// The point of triangle `corners` with barycentric coordinates `place` of its second and
     /// third corner; the normal is interpolated and normalised. Normal and parameters are NaN if the
     /// mesh was made without them.
+    ///
+    /// # Panics
+    /// When the mesh has no such vertices.
     pub fn at_triangle(&self, corners: [u32; 3], place: DVec2) -> MeshPoint {
         let weights = [1.0 - place.x - place.y, place.x, place.y];
         let mut point = MeshPoint { position: DVec3::ZERO, normal: DVec3::ZERO, uv: DVec2::ZERO };
@@ -286,6 +289,9 @@ impl GridMesh {
 
     /// The point of grid number `grid` at `place`: the fraction of the way along a row, and
     /// from the first row to the last, as Embree reports a hit on a grid.
+    ///
+    /// # Panics
+    /// When the mesh has no such grid.
     pub fn at_grid(&self, grid: usize, place: DVec2) -> MeshPoint {
         let grid = &self.grids[grid];
         // The cell and the place in it; the last cell is closed.

@@ -563,7 +563,9 @@ fn errors_point_at_the_value_not_at_its_table() {
             "5:21: found 0, needed counts from 1 on",
         ),
         ("[camera]\nup = 1e300", "4:6: found 1e300, needed three numbers, [x, y, z]"),
-        ("name = ''", "3:8: a name needs a letter at least"),
+        ("name = ''", "3:8: a name needs a character that is not blank"),
+        ("name = ' '", "3:8: a name needs a character that is not blank"),
+        ("name = '\u{a0}'", "3:8: a name needs a character that is not blank"),
         ("name = \"a\\nb\"", "3:8: a name is a single line, without control characters"),
         (
             "[render]\nseed = 99999999999999999999",
