@@ -350,24 +350,48 @@ fn what_is_not_povray_is_not_taken_for_it() {
     run.failed(1, "true --version does not tell of POV-Ray 3; its scenes are in \"out\"");
 }
 
+/// A program that calls itself this version of POV-Ray, and for a scene does this.
+#[cfg(unix)]
+fn write_povray(sandbox: &Sandbox, version: &str, does: &str) -> std::path::PathBuf {
+    use std::os::unix::fs::PermissionsExt;
+
+    let path = sandbox.path("povray");
+    let program =
+        format!("#!/bin/sh\n[ \"$1\" = --version ] && exec echo POV-Ray {version}\n{does}\n");
+    fs::write(&path, program).unwrap();
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+    path.canonicalize().unwrap()
+}
+
+#[cfg(unix)]
+#[test]
+fn an_old_povray_is_not_asked() {
+    let sandbox = Sandbox::with(&[("ball.toml", SPHERE)]);
+    let povray = write_povray(&sandbox, "3.6.1", "exit 0");
+    let mut command =
+        sandbox.command(&format!("compare ball.toml --against povray {QUICK} -o out"));
+    let run = Run::from_output(command.env("POVRAY", &povray).output().unwrap());
+    let said = "is POV-Ray 3.6.1: version 3.7 or later is needed; its scenes are in \"out\"";
+    run.failed(1, &format!("{} {said}", povray.display()));
+}
+
 /// What was there stays as it was if all goes well until POV-Ray fails.
 #[cfg(unix)]
 #[test]
 fn a_rendering_that_fails_changes_nothing() {
-    use std::os::unix::fs::PermissionsExt;
-
-    let program = "#!/bin/sh\n[ \"$1\" = --version ] && exec echo POV-Ray 3.7.0\n\
-                   echo no lamp >&2\nexit 1\n";
-    let sandbox = Sandbox::with(&[("ball.toml", SPHERE), ("povray", program)]);
-    fs::set_permissions(sandbox.path("povray"), fs::Permissions::from_mode(0o755)).unwrap();
+    let sandbox = Sandbox::with(&[("ball.toml", SPHERE)]);
     fs::create_dir(sandbox.path("out")).unwrap();
     fs::write(sandbox.path("out/scene-1e-3.pov"), "older").unwrap();
-    for out in ["out", "new"] {
+    for (out, exit, message) in [
+        ("out", 1, "POV-Ray fails (exit status: 1): no lamp"),
+        ("new", 1, "POV-Ray fails (exit status: 1): no lamp"),
+        ("new", 0, "POV-Ray makes no picture: no lamp"),
+    ] {
+        let povray = write_povray(&sandbox, "3.7.0", &format!("echo no lamp >&2\nexit {exit}"));
         let options = format!("--tolerance 1e-3 {QUICK} -o {out}");
         let mut command = sandbox.command(&format!("compare ball.toml --against povray {options}"));
-        let povray = sandbox.path("povray").canonicalize().unwrap();
         let run = Run::from_output(command.env("POVRAY", povray).output().unwrap());
-        run.failed(1, "POV-Ray fails (exit status: 1): no lamp");
+        run.failed(1, message);
     }
     assert_eq!(files(&sandbox.path("out")), ["scene-1e-3.pov"]);
     assert_eq!(sandbox.bytes("out/scene-1e-3.pov"), b"older");

@@ -12,6 +12,12 @@ use anyhow::{Context, Error, anyhow};
 /// The environment variable that names another program.
 pub(super) const OVERRIDE: &str = "POVRAY";
 
+/// What its version begins with, as POV-Ray prints it.
+const NAME: &str = "POV-Ray ";
+
+/// The oldest version that understands the scenes.
+const OLDEST: [u32; 2] = [3, 7];
+
 /// What POV-Ray made of a scene.
 #[derive(Clone, Debug)]
 pub(super) struct Rendering {
@@ -56,9 +62,13 @@ impl Povray {
         let text = [answer.stdout, answer.stderr]
             .map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
             .concat();
-        let name =
-            text.lines().find_map(|line| Some(line[line.find("POV-Ray 3.")?..].trim().to_owned()));
-        let name = name.ok_or_else(|| anyhow!("{shown} --version does not tell of POV-Ray 3"))?;
+        let Some((name, version)) = name_and_version(&text) else {
+            return Err(anyhow!("{shown} --version does not tell of POV-Ray 3"));
+        };
+        if version < OLDEST {
+            let [major, minor] = OLDEST;
+            return Err(anyhow!("{shown} is {name}: version {major}.{minor} or later is needed"));
+        }
         Ok(Self { program, name })
     }
 
@@ -90,6 +100,9 @@ impl Povray {
         if !run.status.success() {
             return Err(anyhow!("POV-Ray fails ({}): {}", run.status, ending(&words)));
         }
+        if !picture.exists() {
+            return Err(anyhow!("POV-Ray makes no picture: {}", ending(&words)));
+        }
         let seconds =
             |what| seconds(&words, what).with_context(|| format!("POV-Ray tells no {what}"));
         Ok(Rendering {
@@ -99,6 +112,16 @@ impl Povray {
             total_seconds,
         })
     }
+}
+
+/// POV-Ray's name and version in what it says, and the version's first two numbers.
+fn name_and_version(words: &str) -> Option<(String, [u32; 2])> {
+    words.lines().find_map(|line| {
+        let name = line[line.find(NAME)?..].trim();
+        let (major, rest) = name.strip_prefix(NAME)?.split_once('.')?;
+        let minor = rest.split(|c: char| !c.is_ascii_digit()).next()?;
+        Some((name.to_owned(), [major.parse().ok()?, minor.parse().ok()?]))
+    })
 }
 
 /// The number in `Trace Time:  0 hours  0 minutes  1 seconds (1.234 seconds)`.
@@ -130,6 +153,17 @@ fn cosines(path: &Path, [width, height]: [u32; 2]) -> Result<Vec<Option<f64>>, E
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn its_version_is_found_in_what_it_says() {
+        let words = "Persistence of Vision(tm) Ray Tracer\nPOV-Ray v.\n POV-Ray 3.10.0-x.y : g++\n";
+        assert_eq!(name_and_version(words), Some(("POV-Ray 3.10.0-x.y : g++".to_owned(), [3, 10])));
+        assert_eq!(name_and_version("POV-Ray 3.6.1"), Some(("POV-Ray 3.6.1".to_owned(), [3, 6])));
+        assert!([3, 6] < OLDEST && [3, 7] >= OLDEST && [3, 10] > OLDEST && [4, 0] > OLDEST);
+        for none in ["", "POV-Ray", "POV-Ray ", "POV-Ray 3", "POV-Ray 3.x", "POV-Ray three.7"] {
+            assert_eq!(name_and_version(none), None, "{none}");
+        }
+    }
 
     #[test]
     fn times_are_found_in_what_it_says() {
