@@ -44,16 +44,12 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
         scenes.first().map_or((&[][..], &[][..]), |scene| (&scene.skipped, &scene.written));
     let left_out = left_out(skipped, skipped.len() + written.len());
     left_out.iter().for_each(|line| console::warning(line));
-    let povray = match Povray::find() {
-        Ok(povray) => povray,
-        Err(reason) => {
-            // The scenes can be had without POV-Ray: somebody may render them elsewhere.
-            folder.make()?;
-            write_scenes(&folder, (&tolerances, &scenes))?;
-            let place = Quoted(&arguments.output);
-            return Err(Failure::work(format!("{reason}; its scenes are in {place}")));
-        }
-    };
+    let povray = Povray::find().or_else(|reason| {
+        // The scenes can be had without POV-Ray: somebody may render them elsewhere.
+        write_scenes(&folder, (&tolerances, &scenes))?;
+        let place = Quoted(&arguments.output);
+        Err(Failure::work(format!("{reason}; its scenes are in {place}")))
+    })?;
     let model = match skipped {
         [] => model,
         _ => pool.install(|| model.keeping(written, budget))?,
@@ -64,14 +60,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let measured =
         pool.install(|| Measurement::new(&model, &kernels, &[], &rays, arguments.seconds));
     let ours = pixels(&model, &rays, size);
-    let progress = Progress::new("rendering", tolerances.len() as u64);
-    let mut renderings = Vec::new();
-    for (done, scene) in (1..).zip(&scenes) {
-        renderings.push(povray.render(&scene.text, size, arguments.threads).or_failed()?);
-        progress.set(done, 0);
-    }
-    progress.finish();
-
+    let renderings = renderings(&povray, &scenes, size, arguments.threads)?;
     let looks = renderings.iter().map(|rendering| look(&ours, rendering));
     let (findings, pictures): (Vec<_>, Vec<_>) = looks.unzip();
     let report = Report {
@@ -91,11 +80,27 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     super::warn_if_empty(&model, report.hits, report.doubtful);
 
     // The report last, so that a report has its files.
-    folder.make()?;
     write_scenes(&folder, (&tolerances, &scenes))?;
     write_pictures(&folder, size, &ours, (&tolerances, &pictures))?;
     folder.write(REPORT, &report.text())?;
     console::print(&format!("{}\n", folder.at(REPORT).display()))
+}
+
+/// What POV-Ray makes of each scene.
+fn renderings(
+    povray: &Povray,
+    scenes: &[PovrayScene],
+    size: [u32; 2],
+    threads: u16,
+) -> Result<Vec<Rendering>, Failure> {
+    let progress = Progress::new("rendering", scenes.len() as u64);
+    let mut renderings = Vec::new();
+    for (done, scene) in (1..).zip(scenes) {
+        renderings.push(povray.render(&scene.text, size, threads).or_failed()?);
+        progress.set(done, 0);
+    }
+    progress.finish();
+    Ok(renderings)
 }
 
 /// The scene for each tolerance; each leaves out the same surfaces.
@@ -110,11 +115,12 @@ fn scenes(model: &Model, size: [u32; 2], tolerances: &[f64]) -> Result<Vec<Povra
     Ok(scenes)
 }
 
-/// What POV-Ray reads.
+/// What POV-Ray reads. Makes the folder.
 fn write_scenes(
     folder: &Folder,
     (tolerances, scenes): (&[f64], &[PovrayScene]),
 ) -> Result<(), Failure> {
+    folder.make()?;
     for (scene, &tolerance) in scenes.iter().zip(tolerances) {
         folder.write(&scene_file(tolerance), &scene.text)?;
     }

@@ -79,23 +79,13 @@ impl Workshop<'_> {
                 vec![self.checked(construct::ruled(&from, &to))?.into()]
             }
             Construction::Coons(borders) => {
-                let [u0, u1, v0, v1] = &**borders;
-                let borders = Borders {
-                    u0: self.curve("border u0", u0)?,
-                    u1: self.curve("border u1", u1)?,
-                    v0: self.curve("border v0", v0)?,
-                    v1: self.curve("border v1", v1)?,
-                };
-                vec![self.checked(construct::coons(&borders))?.into()]
+                vec![self.checked(construct::coons(&self.borders(borders)?))?.into()]
             }
             Construction::Loft { sections, degree } => {
-                let made = sections.iter().enumerate();
-                let made =
-                    made.map(|(index, curve)| self.curve(&format!("section {index}"), curve));
-                let made = made.collect::<Result<Vec<_>, _>>()?;
-                let highest = made.len().saturating_sub(1).clamp(1, construct::LOFT_DEGREE);
+                let sections = self.sections(sections)?;
+                let highest = sections.len().saturating_sub(1).clamp(1, construct::LOFT_DEGREE);
                 let degree = degree.unwrap_or(highest);
-                vec![self.checked(construct::loft(&made, degree))?.surface.into()]
+                vec![self.checked(construct::loft(&sections, degree))?.surface.into()]
             }
             Construction::Sweep { profile, path, options } => {
                 let profile = self.curve("profile", profile)?;
@@ -133,6 +123,20 @@ impl Workshop<'_> {
             }
         };
         Ok(pieces)
+    }
+
+    fn borders(&self, [u0, u1, v0, v1]: &[CurveSpec; 4]) -> Result<Borders, SceneError> {
+        Ok(Borders {
+            u0: self.curve("border u0", u0)?,
+            u1: self.curve("border u1", u1)?,
+            v0: self.curve("border v0", v0)?,
+            v1: self.curve("border v1", v1)?,
+        })
+    }
+
+    fn sections(&self, sections: &[CurveSpec]) -> Result<Vec<NurbsCurve>, SceneError> {
+        let numbered = sections.iter().enumerate();
+        numbered.map(|(index, curve)| self.curve(&format!("section {index}"), curve)).collect()
     }
 
     /// The curve written under a key.

@@ -57,17 +57,7 @@ impl Checker<'_> {
     fn kind(&self) -> Result<PlotKind<PlottedCurve, PlottedBasis, Surfaces>, SceneError> {
         let place = &self.spec.place;
         Ok(match &self.spec.show {
-            PlotKind::Curves(entries) => {
-                if entries.is_empty() {
-                    return Err(self.error(place, PlotError::NoCurves));
-                }
-                let checked = entries.iter().enumerate().map(|(index, entry)| {
-                    let curve = self.curve(&format!("curve {index}"), &entry.curve)?;
-                    let label = entry.label.clone();
-                    Ok(CurveEntry { curve, label, polygon: entry.polygon, knots: entry.knots })
-                });
-                PlotKind::Curves(checked.collect::<Result<_, SceneError>>()?)
-            }
+            PlotKind::Curves(entries) => PlotKind::Curves(self.entries(entries)?),
             PlotKind::Basis(basis) => {
                 PlotKind::Basis(basis.checked(|place, error| self.error(place, error))?)
             }
@@ -125,6 +115,22 @@ impl Checker<'_> {
                 PlotKind::Surfaces { of, lines: *lines, net: *net }
             }
         })
+    }
+
+    /// The curves drawn in one plot, one at least.
+    fn entries(
+        &self,
+        entries: &[CurveEntry<CurveSpec>],
+    ) -> Result<Vec<CurveEntry<PlottedCurve>>, SceneError> {
+        if entries.is_empty() {
+            return Err(self.error(&self.spec.place, PlotError::NoCurves));
+        }
+        let checked = entries.iter().enumerate().map(|(index, entry)| {
+            let curve = self.curve(&format!("curve {index}"), &entry.curve)?;
+            let label = entry.label.clone();
+            Ok(CurveEntry { curve, label, polygon: entry.polygon, knots: entry.knots })
+        });
+        checked.collect()
     }
 
     /// A curve with positive weights that has this derivative.
