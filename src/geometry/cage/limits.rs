@@ -41,8 +41,8 @@ impl Cage {
                 limits[corner as usize] = Some(LimitPoint { point, normal: ring.normal(quad) });
             }
         }
-        // None is missing: every corner is in the star of its vertex, and every vertex has a ring, if
-        // not among its faces, then among the quads they are cut into.
+        // None is missing: every corner is in the star of its vertex, and every vertex has a ring,
+        // if not among its faces, then among the quads they are cut into.
         debug_assert!(limits.iter().all(Option::is_some));
         let of_face = |face| limits[topology.face_range(face)].iter().flatten().copied().collect();
         (0..topology.face_count()).map(of_face).collect()

@@ -14,8 +14,8 @@ use crate::geometry::{KnotError, KnotVector};
 ///
 /// # Invariants, checked once on construction
 /// - there are as many control points as the knots ask for;
-/// - no coordinate is larger than [`MAX_MAGNITUDE`](crate::geometry::MAX_MAGNITUDE), and all weights
-///   are [usable](is_usable_weight): positive, and neither too small nor too large.
+/// - no coordinate is larger than [`MAX_MAGNITUDE`](crate::geometry::MAX_MAGNITUDE), and all
+///   weights are [usable](is_usable_weight): positive, and neither too small nor too large.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NurbsCurve {
     knots: KnotVector,

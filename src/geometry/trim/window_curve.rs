@@ -16,11 +16,11 @@
 //! times a step, as `s (1 − s)` does by no more than `s`.) Then the chain does not enter that
 //! rectangle. A point `P` of it that also lies in the rectangle of the ends has an `s` between those
 //! of the ends, because both parts of `along` have the signs of the chord's. So there is a point `C`
-//! of the chain with the same `s`, and `P − C` is perpendicular to `along`. As `F(P) > F(C)`, it has
-//! the direction of `across`, towards smaller u; and as the chain runs in one direction, `P` is left
-//! of it. Other points of the rectangle at the same level are left of it, too, because the chain
-//! does not lie between. Where `F` is smaller than on the chain, the point is right of it in the
-//! same way.
+//! of the chain with the same `s`, and `P − C` is perpendicular to `along`. As `F(P) > F(C)`, it
+//! has the direction of `across`, towards smaller u; and as the chain runs in one direction, `P` is
+//! left of it. Other points of the rectangle at the same level are left of it, too, because the
+//! chain does not lie between. Where `F` is smaller than on the chain, the point is right of it in
+//! the same way.
 //!
 //! The signs are also those of the numbers rounded to f32, with which `F` is computed. On the chain,
 //! a rational Bézier curve of degree `p` and weight `w`, `w² F` is a polynomial of degree `2p` (but

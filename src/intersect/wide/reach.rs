@@ -10,6 +10,6 @@ pub(crate) const WIDENED: f64 = 1.0 + 2.0 * WIDENING;
 pub(crate) const WITH_SLACK: f64 = 1.0 + 2.0 * LEAF_SLACK;
 
 /// [`WITH_SLACK`] for proofs in f32, and wider than that by a twentieth of the slack, 1e-4 half
-/// sides: so that a root on the rim of the slack is not lost to the rounding of places in f32, which
-/// is a few units of 6e-8.
+/// sides: so that a root on the rim of the slack is not lost to the rounding of places in f32,
+/// which is a few units of 6e-8.
 pub(crate) const WITH_SLACK_F32: f32 = 1.0 + 2.1 * LEAF_SLACK as f32;

@@ -19,9 +19,9 @@ pub(super) struct EndBox {
 
 /// Boxes, of which the nearest is taken first.
 ///
-/// Of boxes that begin at one `z`, as the halves of a box cut along the ray do, the one in the first
-/// slot is taken; its slot goes to the box in the last one, which came late. So such boxes are not
-/// all divided in turn before the first of them is short.
+/// Of boxes that begin at one `z`, as the halves of a box cut along the ray do, the one in the
+/// first slot is taken; its slot goes to the box in the last one, which came late. So such boxes
+/// are not all divided in turn before the first of them is short.
 #[derive(Debug, Default)]
 pub(super) struct EndQueue {
     slots: Vec<EndBox>,

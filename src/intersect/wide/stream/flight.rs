@@ -40,8 +40,8 @@ impl Flight {
         }
     }
 
-    /// Goes on in other scaled coordinates. (Back in the first ones, they may be rounded differently
-    /// from the first time, but in the same way for every such ray.)
+    /// Goes on in other scaled coordinates. (Back in the first ones, they may be rounded
+    /// differently from the first time, but in the same way for every such ray.)
     #[cold]
     pub(super) fn change_to(&mut self, scaled: &ScaledFrame, ray: &Ray) {
         let frame = RayFrame::new(ray);
