@@ -104,13 +104,13 @@ impl Border {
     /// The point where the running parameter is `t`.
     pub(crate) fn point(&self, surface: &NurbsSurface, t: f64) -> DVec3 {
         let (u, v) = self.uv(t);
-        surface.point_at(u, v)
+        surface.point_at(DVec2::new(u, v))
     }
 
     /// The point at `t`, and its derivative.
     pub(crate) fn tangent(&self, surface: &NurbsSurface, t: f64) -> (DVec3, DVec3) {
         let (u, v) = self.uv(t);
-        let at = surface.derivatives(u, v);
+        let at = surface.derivatives(DVec2::new(u, v));
         (at.point, [at.du, at.dv][self.fixed.other()])
     }
 
@@ -231,7 +231,7 @@ mod tests {
                 let (from, to) = border.knots(&chart.surface).domain();
                 let ends = [from, to].map(|t| border.point(&chart.surface, t));
                 // The patch is the plane of its parameters, turned.
-                let [a, b] = border.ends.unwrap().map(|uv| triangle.point_at(uv.x, uv.y));
+                let [a, b] = border.ends.unwrap().map(|uv| triangle.point_at(uv));
                 assert!(ends[0].distance(a) < 1e-15 && ends[1].distance(b) < 1e-15, "{border}");
             }
         }

@@ -207,9 +207,9 @@ impl Surface {
     /// The point with its first and second derivatives, on the surface as authored.
     pub fn derivatives(&self, uv: DVec2) -> SurfaceDerivatives {
         match self {
-            Self::Nurbs(surface) => surface.derivatives(uv.x, uv.y),
-            Self::Trimmed(trimmed) => trimmed.surface().derivatives(uv.x, uv.y),
-            Self::Triangle(patch) => patch.derivatives(uv.x, uv.y),
+            Self::Nurbs(surface) => surface.derivatives(uv),
+            Self::Trimmed(trimmed) => trimmed.surface().derivatives(uv),
+            Self::Triangle(patch) => patch.derivatives(uv),
             Self::Limit(surface) => surface.derivatives(uv),
         }
     }
@@ -217,9 +217,9 @@ impl Surface {
     /// The point at `uv`.
     pub fn point_at(&self, uv: DVec2) -> DVec3 {
         match self {
-            Self::Nurbs(surface) => surface.point_at(uv.x, uv.y),
-            Self::Trimmed(trimmed) => trimmed.surface().point_at(uv.x, uv.y),
-            Self::Triangle(patch) => patch.point_at(uv.x, uv.y),
+            Self::Nurbs(surface) => surface.point_at(uv),
+            Self::Trimmed(trimmed) => trimmed.surface().point_at(uv),
+            Self::Triangle(patch) => patch.point_at(uv),
             Self::Limit(surface) => surface.point_at(uv),
         }
     }
@@ -227,9 +227,9 @@ impl Surface {
     /// The unit normal, if there is one.
     pub fn normal(&self, uv: DVec2) -> Option<DVec3> {
         match self {
-            Self::Nurbs(surface) => surface.normal(uv.x, uv.y),
-            Self::Trimmed(trimmed) => trimmed.surface().normal(uv.x, uv.y),
-            Self::Triangle(patch) => patch.normal(uv.x, uv.y),
+            Self::Nurbs(surface) => surface.normal(uv),
+            Self::Trimmed(trimmed) => trimmed.surface().normal(uv),
+            Self::Triangle(patch) => patch.normal(uv),
             Self::Limit(surface) => surface.normal(uv),
         }
     }
@@ -275,7 +275,7 @@ fn extent_of(chart: &Chart<'_>) -> Aabb {
     let Some(trims) = &chart.trims else { return Aabb::around(chart.surface.points()) };
     let UvBox { min, max } = trims.bounds();
     if !min.cmplt(max).all() {
-        return Aabb::around([min, max].map(|uv| chart.surface.point_at(uv.x, uv.y)));
+        return Aabb::around([min, max].map(|uv| chart.surface.point_at(uv)));
     }
     let part = chart.surface.restricted(Direction::U, (min.x, max.x));
     Aabb::around(part.restricted(Direction::V, (min.y, max.y)).points())

@@ -22,7 +22,7 @@
 //! | `any_surface` | [`Surface`], one of any kind |
 //!
 //! ```
-//! use glam::DVec3;
+//! use glam::{DVec2, DVec3};
 //! use nurbray::geometry::{KnotVector, NurbsSurface};
 //!
 //! // A saddle: degree 2 along u, where the knots are unclamped, and degree 1 along v.
@@ -33,9 +33,9 @@
 //! let saddle = NurbsSurface::new(u, v, points.collect(), None)?;
 //!
 //! assert_eq!(saddle.domain(), [(2.0, 4.0), (0.0, 1.0)]);
-//! assert_eq!(saddle.point_at(3.0, 0.5), DVec3::new(1.5, 0.5, 0.75));
+//! assert_eq!(saddle.point_at(DVec2::new(3.0, 0.5)), DVec3::new(1.5, 0.5, 0.75));
 //! let (below, above) = saddle.split_u(3.0)?;
-//! assert_eq!(below.point_at(3.0, 0.5), above.point_at(3.0, 0.5));
+//! assert_eq!(below.point_at(DVec2::new(3.0, 0.5)), above.point_at(DVec2::new(3.0, 0.5)));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

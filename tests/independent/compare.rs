@@ -156,8 +156,7 @@ fn their_hit(
     let size = model.radius();
     let root = nearest(surface, ray, hit.uv);
     // The iteration may slip to another root, which says nothing of this hit.
-    let stayed =
-        surface.point_at(root.uv.x, root.uv.y).distance(hit.point) <= THEIR_ACCURACY * size;
+    let stayed = surface.point_at(root.uv).distance(hit.point) <= THEIR_ACCURACY * size;
     let site = Site { surface: hit.surface, u: root.uv.x, v: root.uv.y };
     let measure = judge.measure_at(ray, site, root.t);
     let slack = |at: &Measure| judge.slack(at.promise + at.excuse, at.incidence);
@@ -223,7 +222,7 @@ mod tests {
         let mut hits = Vec::new();
         let _ = truth.bvh().tracer().all_hits(&Query::primary(ray), &mut hits);
         let hit = |uv: DVec2| {
-            let point = nurbs(&truth.surfaces[0]).point_at(uv.x, uv.y);
+            let point = nurbs(&truth.surfaces[0]).point_at(uv);
             TheirHit { ray: 0, surface: 0, uv, point }
         };
         let uvs = if their.is_empty() { vec![hits[0].uv, hits[1].uv] } else { their.to_vec() };

@@ -42,7 +42,7 @@ pub(crate) fn nearest(surface: &NurbsSurface, ray: &Ray, start: DVec2) -> Neares
 /// How far a place of a surface is from a ray.
 pub(crate) fn at(surface: &NurbsSurface, ray: &Ray, uv: DVec2) -> Nearest {
     let along = ray.direction().normalize();
-    let offset = surface.point_at(uv.x, uv.y) - ray.origin();
+    let offset = surface.point_at(uv) - ray.origin();
     let length = offset.dot(along);
     let t = length / ray.direction().length();
     Nearest { uv, t, distance: (offset - length * along).length() }
@@ -59,7 +59,7 @@ fn step(
 ) -> Option<DVec2> {
     let along = ray.direction().normalize();
     let (right, up) = along.any_orthonormal_pair();
-    let at = surface.derivatives(uv.x, uv.y);
+    let at = surface.derivatives(uv);
     let across = |v: DVec3| DVec2::new(v.dot(right), v.dot(up));
     let gap = across(at.point - ray.origin());
     let mut columns = [across(at.du), across(at.dv)];
@@ -102,7 +102,7 @@ mod tests {
                 let share = DVec2::new(f64::from(i), f64::from(j)) / 59.0;
                 DVec2::new(u0, v0) + share * DVec2::new(u1 - u0, v1 - v0)
             });
-            let far = |uv: &DVec2| sphere.point_at(uv.x, uv.y).distance(DVec3::new(x, y, z));
+            let far = |uv: &DVec2| sphere.point_at(*uv).distance(DVec3::new(x, y, z));
             grid.min_by(|a, b| far(a).total_cmp(&far(b))).unwrap()
         };
         let reach = (1.0 - 0.09_f64).sqrt();

@@ -1,6 +1,6 @@
 //! Rays for any model: plain and nasty ones, and those that leave hits.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use nurbray::geometry::{Charts, Surface};
 use nurbray::intersect::{Answer, Query};
 use nurbray::math::Ray;
@@ -35,7 +35,7 @@ pub(crate) fn rays(
         let [(u0, u1), (v0, v1)] = surface.domain();
         let grid = |random: &mut Random| (random.unit() * 9.0).floor() / 8.0;
         let (a, b) = (grid(random), if random.unit() < 0.5 { grid(random) } else { random.unit() });
-        let target = surface.point_at(u0 + a * (u1 - u0), v0 + b * (v1 - v0));
+        let target = surface.point_at(DVec2::new(u0 + a * (u1 - u0), v0 + b * (v1 - v0)));
         let origin = target + 3.0 * radius * random.direction();
         rays.push((origin, target - origin));
     }
@@ -44,7 +44,7 @@ pub(crate) fn rays(
         let surface = &charts[k * 7919 % charts.len()].surface;
         let [(u0, u1), (v0, v1)] = surface.domain();
         let (a, b) = (random.unit(), random.unit());
-        let target = surface.point_at(u0 + a * (u1 - u0), v0 + b * (v1 - v0));
+        let target = surface.point_at(DVec2::new(u0 + a * (u1 - u0), v0 + b * (v1 - v0)));
         let origin = target + random.unit() * 800.0 * radius * random.direction();
         rays.push((origin, target - origin));
     }

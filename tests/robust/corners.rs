@@ -1,6 +1,6 @@
 //! Corners in which more than one side ends in a point.
 
-use glam::{DVec3, DVec4};
+use glam::{DVec2, DVec3, DVec4};
 use nurbray::geometry::{KnotVector, NurbsSurface};
 use nurbray::intersect::{HitFlags, Query, SurfaceBvh};
 use nurbray::math::Ray;
@@ -25,7 +25,7 @@ fn normals_beside_a_side_that_is_collapsed_as_is_the_one_across() {
     for k in 0..2000 {
         let u = 10f64.powf(-9.0 + 3.0 * f64::from(k) / 2000.0);
         let v = 0.05 + 0.95 * random.unit();
-        let (point, direction) = (surface.point_at(u, v), random.direction());
+        let (point, direction) = (surface.point_at(DVec2::new(u, v)), random.direction());
         let ray = Ray::new(point - direction, direction).unwrap();
         let answer = tracer.first_hit(&Query::primary(ray));
         let Some(hit) = answer.hit.filter(|hit| !answer.doubtful && hit.uv.y > 0.05) else {
@@ -176,7 +176,7 @@ fn normals_beside_a_corner_of_two_collapsed_sides() {
     let (mut seen, mut worst) = (0, 0.0f64);
     for _ in 0..4000 {
         let [u, v] = [0, 1].map(|_| 10f64.powf(-7.0 + 5.0 * random.unit()));
-        let (point, direction) = (surface.point_at(u, v), random.direction());
+        let (point, direction) = (surface.point_at(DVec2::new(u, v)), random.direction());
         let ray = Ray::new(point - direction, direction).unwrap();
         let answer = tracer.first_hit(&Query::primary(ray));
         let Some(hit) = answer.hit.filter(|hit| !answer.doubtful && hit.normal.is_finite()) else {

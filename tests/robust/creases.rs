@@ -1,7 +1,7 @@
 //! Creases made by a row of control points repeated as often as the degree: across them the
 //! surface stands still, though it goes on.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 use nurbray::geometry::{KnotVector, NurbsSurface};
 use nurbray::intersect::{Answer, Query, SurfaceBvh};
 use nurbray::math::Ray;
@@ -88,7 +88,7 @@ fn no_place_of_a_roof_is_missed() {
             let v = [random.unit(), 1.0][k % 2];
             let distance = size * random.power_of_ten(0.0, 3.0);
             let back = distance * random.direction();
-            let point = roof.point_at(u, v);
+            let point = roof.point_at(DVec2::new(u, v));
             Query::primary(Ray::new(point + back, -back).unwrap())
         };
         let queries: Vec<_> = (0..600).map(&mut aimed).collect();

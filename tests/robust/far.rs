@@ -218,8 +218,9 @@ fn crossings_far_from_the_origin_are_met_or_doubted_in_every_range() {
             let rays: Vec<Query> = (0..40)
                 .filter_map(|_| {
                     let (u, v) = (0.01 + 0.98 * random.unit(), 0.01 + 0.98 * random.unit());
-                    let (point, direction) = (surface.point_at(u, v), random.direction());
-                    let cosine = surface.normal(u, v)?.dot(direction).abs();
+                    let (point, direction) =
+                        (surface.point_at(DVec2::new(u, v)), random.direction());
+                    let cosine = surface.normal(DVec2::new(u, v))?.dot(direction).abs();
                     let reach = error / cosine;
                     let t = reach * (4.0 + 36.0 * random.unit());
                     let ends = [random.unit(), random.unit()].map(|x| reach * (4.0 + 16.0 * x));

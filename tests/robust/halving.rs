@@ -115,7 +115,7 @@ fn polished(surface: &NurbsSurface, ray: &Ray, axes: [DVec3; 3], start: DVec2) -
     let (low, high) = (DVec2::new(u0, v0), DVec2::new(u1, v1));
     let mut uv = start.clamp(low, high);
     for _ in 0..12 {
-        let at = surface.derivatives(uv.x, uv.y);
+        let at = surface.derivatives(uv);
         let across = |v: DVec3| DVec2::new(axes[0].dot(v), axes[1].dot(v));
         let (f, a, b) = (across(at.point - ray.origin()), across(at.du), across(at.dv));
         let step = DVec2::new(f.perp_dot(b), a.perp_dot(f)) / a.perp_dot(b);
@@ -124,7 +124,7 @@ fn polished(surface: &NurbsSurface, ray: &Ray, axes: [DVec3; 3], start: DVec2) -
         }
         uv = (uv - step).clamp(low, high);
     }
-    let at = surface.derivatives(uv.x, uv.y);
+    let at = surface.derivatives(uv);
     let steepness = at.du.cross(at.dv).normalize_or_zero().dot(axes[2]).abs();
     let margin = ((uv - low).min(high - uv) / (high - low)).min_element();
     let t = axes[2].dot(at.point - ray.origin()) / ray.direction().length();

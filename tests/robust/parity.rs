@@ -134,7 +134,7 @@ fn a_ray_past_a_crease_with_one_face_beside_it_goes_in_and_out() {
 #[test]
 fn a_ray_beside_a_trim_edge_and_a_border_passes_both_or_neither() {
     let round = shapes::cylinder(1.0, 2.0).unwrap();
-    let edge = |u: f64, v: f64| round.point_at(u, v);
+    let edge = |u: f64, v: f64| round.point_at(DVec2::new(u, v));
     let knots = || KnotVector::bezier(1).unwrap();
     let corners = vec![edge(0.6, 0.0), edge(0.6, 1.0), edge(0.1, 0.0), edge(0.1, 1.0)];
     let flat = NurbsSurface::new(knots(), knots(), corners, None).unwrap();

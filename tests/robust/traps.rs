@@ -1,7 +1,7 @@
 //! Traps of the hierarchy's builder, obvhs 0.4.0: each was measured to lose hits or to end the
 //! program in some use of that crate. These tests hold each of them shut.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
 use nurbray::intersect::{Answer, Coherence, HitFlags, Kernel, Query, SurfaceBvh};
 use nurbray::math::Ray;
@@ -104,7 +104,7 @@ fn rays_in_the_faces_of_flat_boxes_are_not_lost() {
         let square = placed(&shapes::plane(1.0, 1.0).unwrap(), random.between(0.1, 3.0), at);
         let bvh = build(std::slice::from_ref(&square));
         let mut tracer = bvh.tracer();
-        let corner = |u: f64, v: f64| square.point_at(u, v);
+        let corner = |u: f64, v: f64| square.point_at(DVec2::new(u, v));
         let mid = corner(0.5, 0.5);
 
         // Within the plane, along both axes: through the middle, and along the border.
@@ -141,7 +141,7 @@ fn slivers_are_not_lost() {
                 let (u, v) = (random.between(0.02, 0.98), random.between(0.3, 0.7));
                 let mut from = random.direction();
                 from.z = if from.z.abs() < 0.2 { 0.5 } else { from.z };
-                Ray::new(from, sliver.point_at(u, v) - from).unwrap()
+                Ray::new(from, sliver.point_at(DVec2::new(u, v)) - from).unwrap()
             })
             .collect();
         by_every_kernel(&bvh, &rays, |answer, ray, who| {
@@ -162,7 +162,7 @@ fn no_size_is_too_small_or_too_large() {
         let rays: Vec<Ray> = (0..1000)
             .map(|_| {
                 let d = random.direction();
-                let p = torus.point_at(random.unit(), random.unit());
+                let p = torus.point_at(DVec2::new(random.unit(), random.unit()));
                 Ray::new(p - 2.0 * size * d, size * d).unwrap()
             })
             .collect();
@@ -257,7 +257,7 @@ fn weights_of_many_magnitudes_are_answered_for() {
                         if random.unit() < 0.5 { near } else { 1.0 - near }
                     });
                     let d = random.direction();
-                    Ray::new(surface.point_at(u, v) - 9.0 * d, d).unwrap()
+                    Ray::new(surface.point_at(DVec2::new(u, v)) - 9.0 * d, d).unwrap()
                 })
                 .collect();
             by_every_kernel(&bvh, &rays, |answer, ray, who| {

@@ -1,7 +1,7 @@
 //! Knots and weights that differ by many powers of ten: a point with next to no share may count
 //! more than all others, if it is far heavier.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use nurbray::geometry::{KnotVector, NurbsSurface};
 use nurbray::intersect::Query;
 use nurbray::math::Ray;
@@ -46,7 +46,7 @@ fn sheet(
 fn aimed(model: &Model, random: &mut Random, places: &[[f64; 2]]) -> Vec<Query> {
     let surface = model.surfaces[0].nurbs().unwrap();
     let through = |&[u, v]: &[f64; 2]| {
-        let point = surface.point_at(u, v);
+        let point = surface.point_at(DVec2::new(u, v));
         let side = DVec3::new(random.between(-0.7, 0.7), random.between(-0.7, 0.7), 1.0);
         Query::primary(Ray::new(point + 2.0 * side, -side).unwrap())
     };

@@ -217,7 +217,7 @@ fn complementary_trims_make_a_closed_body() {
             // Loops across the seam run beyond the domain.
             let wrap = |x: f64, (from, to): (f64, f64)| from + (x - from).rem_euclid(to - from);
             uv = DVec2::new(wrap(uv.x, u), wrap(uv.y, v));
-            let point = sphere.point_at(uv.x, uv.y);
+            let point = sphere.point_at(uv);
             let direction = random.direction();
             let steep = direction.dot(point).abs() > 0.02;
             if steep {
@@ -313,10 +313,10 @@ fn a_hole_across_the_seam_is_as_one_away_from_it() {
             let target = if k % 2 == 0 {
                 let outline = &edges[random.below(edges.len())];
                 let uv = outline[random.below(outline.len())];
-                cylinder().point_at(uv.x, uv.y)
+                cylinder().point_at(uv)
             } else {
                 let (u, v) = at(random.between(0.35, 0.65), random.unit());
-                cylinder().point_at(u, v)
+                cylinder().point_at(DVec2::new(u, v))
             };
             let origin = target + random.between(0.5, 3.0) * random.direction();
             Query::primary(Ray::new(origin, target - origin).unwrap())
@@ -440,7 +440,7 @@ fn a_pole_partly_cut_off_is_met_at_kept_parameters() {
     for (name, cut, kept) in [("notch", notch, 0.0), ("most", most, 0.7)] {
         for size in [1e-8, 1.0, 1e8] {
             let sphere = shapes::sphere(size).unwrap();
-            let pole = sphere.point_at(0.0, 0.5);
+            let pole = sphere.point_at(DVec2::new(0.0, 0.5));
             let domain = TrimDomain::of(&sphere).unwrap();
             let trims = Trims::new(domain, Kept::Even, std::slice::from_ref(&cut)).unwrap();
             let part = TrimmedSurface::new(sphere, trims).unwrap();

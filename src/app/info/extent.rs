@@ -264,7 +264,7 @@ mod tests {
         });
         let knots = nurbray::geometry::KnotVector::clamped_uniform(2, 3).unwrap();
         let sheet = NurbsSurface::new(knots.clone(), knots, points.collect(), None).unwrap();
-        assert!((sheet.point_at(0.3, 0.7).z - (1.0 - 0.16)).abs() < 1e-15);
+        assert!((sheet.point_at(DVec2::new(0.3, 0.7)).z - (1.0 - 0.16)).abs() < 1e-15);
         check(&sheet, [DVec3::ZERO, DVec3::ONE], 1e-9);
     }
 }

@@ -67,7 +67,7 @@ impl Source<'_> {
         Some(match self {
             Self::Border { surface, border, .. } => {
                 let (u, v) = border.uv(t);
-                Around::new(&surface.derivatives(u, v), border.around(surface))
+                Around::new(&surface.derivatives(DVec2::new(u, v)), border.around(surface))
             }
             Self::Side { patch, side, .. } => {
                 let (uv, along) = match side {
@@ -75,12 +75,12 @@ impl Source<'_> {
                     TriangleSide::V => (DVec2::new(t, 0.0), DVec2::X),
                     TriangleSide::W => (DVec2::new(t, 1.0 - t), DVec2::new(-1.0, 1.0)),
                 };
-                Around::new(&patch.derivatives(uv.x, uv.y), along)
+                Around::new(&patch.derivatives(uv), along)
             }
             Self::Edge { trimmed, edge } => {
                 let place = edge.uv_at(t);
                 let along = with_kept_on_left(trimmed.trims(), place)?;
-                Around::new(&trimmed.surface().derivatives(place[0].x, place[0].y), along)
+                Around::new(&trimmed.surface().derivatives(place[0]), along)
             }
         })
     }

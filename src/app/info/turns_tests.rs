@@ -271,7 +271,10 @@ fn trim_edges_and_borders() {
     let domain = TrimDomain::of(&plane).unwrap();
     let cylinder = shapes::cylinder(1.0, 2.0).unwrap();
     let [(s0, _), (t0, t1)] = cylinder.domain();
-    let bottom = [t0, t1].map(|t| cylinder.point_at(s0, t).z).into_iter().fold(f64::MAX, f64::min);
+    let bottom = [t0, t1]
+        .map(|t| cylinder.point_at(DVec2::new(s0, t)).z)
+        .into_iter()
+        .fold(f64::MAX, f64::min);
     for k in 0..16 {
         let [is_disc, goes_down, is_plate_over, is_pipe_over] =
             [1, 2, 4, 8].map(|bit| k & bit != 0);

@@ -144,7 +144,7 @@ impl Lines {
                 let patch = patch.clone();
                 Line::new(move |t| {
                     let coordinates = [(1.0 - share) * (1.0 - t), (1.0 - share) * t, share];
-                    patch.point_at(coordinates[k], coordinates[(k + 1) % 3])
+                    patch.point_at(DVec2::new(coordinates[k], coordinates[(k + 1) % 3]))
                 })
             };
             self.borders.push(line(0.0));

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use nurbray::geometry::{Charts, KnotVector, Surface};
 use nurbray::intersect::SurfaceBvh;
 use nurbray::scene::{CameraSpec, Placed, Scene, World};
@@ -116,7 +116,9 @@ fn farthest(surfaces: &[Surface], from: DVec3) -> f64 {
         let surface = &chart.surface;
         let [us, vs] = [surface.knots_u(), surface.knots_v()].map(parameters);
         us.into_iter().map(move |u| {
-            vs.iter().map(|&v| surface.point_at(u, v).distance(from)).fold(0.0, f64::max)
+            vs.iter()
+                .map(|&v| surface.point_at(DVec2::new(u, v)).distance(from))
+                .fold(0.0, f64::max)
         })
     });
     distances.fold(0.0, f64::max)

@@ -1,6 +1,6 @@
 //! The limit surface of a cage as Bézier patches.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 use super::{CageError, LimitError};
 use crate::geometry::affine::stretch;
@@ -123,8 +123,8 @@ impl FaceRect {
     }
 
     /// The place in the unit square that corresponds to a patch's (u, v) in [0, 1]².
-    pub fn unit_uv(&self, u: f64, v: f64) -> [f64; 2] {
-        [self.low[0] + self.size[0] * u, self.low[1] + self.size[1] * v]
+    pub fn unit_uv(&self, uv: DVec2) -> DVec2 {
+        DVec2::from(self.low) + DVec2::from(self.size) * uv
     }
 }
 

@@ -6,7 +6,7 @@
 //! tolerance.
 //!
 //! ```
-//! use glam::DVec3;
+//! use glam::{DVec2, DVec3};
 //! use nurbray::geometry::{Cage, CageParts, Crease};
 //!
 //! // A tetrahedron, one edge of which is rounded late.
@@ -22,7 +22,7 @@
 //! // A patch knows the part of the cage it is.
 //! let rect = limit.patches()[0].rect;
 //! assert_eq!((rect.face, rect.unit), (0, 0));
-//! assert!(rect.unit_uv(1.0, 1.0)[0] <= 1.0);
+//! assert!(rect.unit_uv(DVec2::ONE).x <= 1.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

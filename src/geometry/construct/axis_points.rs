@@ -141,7 +141,7 @@ mod tests {
     use super::*;
     use crate::geometry::shapes::circle_arc;
     use crate::geometry::{KnotVector, NurbsSurface};
-    use glam::{DAffine3, DMat3, DQuat};
+    use glam::{DAffine3, DMat3, DQuat, DVec2};
 
     fn bezier(points: &[[f64; 3]], weights: Option<&[f64]>) -> NurbsCurve {
         let knots = KnotVector::bezier(points.len() - 1).unwrap();
@@ -236,7 +236,7 @@ mod tests {
         let (start, end) = profile.domain();
         for k in 0..=40 {
             let t = start + (end - start) * f64::from(k) / 40.0;
-            let off = surface.point_at(0.0, t).distance(profile.point_at(t));
+            let off = surface.point_at(DVec2::new(0.0, t)).distance(profile.point_at(t));
             assert!(off <= 2.0 * Tolerance::new(profile, axis).at(t), "{name}, {t}: {off:e}");
         }
     }

@@ -191,7 +191,7 @@ mod tests {
     use super::*;
     use crate::geometry::knots::unit_knots;
     use crate::geometry::shapes::circle_arc;
-    use glam::{DAffine3, DVec3};
+    use glam::{DAffine3, DVec2, DVec3};
 
     fn bezier(points: &[[f64; 3]]) -> NurbsCurve {
         NurbsCurve::bezier(&points.iter().map(|&p| p.into()).collect::<Vec<_>>()).unwrap()
@@ -230,7 +230,7 @@ mod tests {
                     (1.0 - v) * at(v0, u) + v * at(v1, u) + (1.0 - u) * at(u0, v) + u * at(u1, v)
                         - (1.0 - u) * ((1.0 - v) * at(u0, 0.0) + v * at(u0, 1.0))
                         - u * ((1.0 - v) * at(u1, 0.0) + v * at(u1, 1.0));
-                let off = patch.point_at(u, v).distance(sum);
+                let off = patch.point_at(DVec2::new(u, v)).distance(sum);
                 assert!(off < 1e-14 * size, "({u}, {v}): off by {off:e}");
             }
         }
@@ -249,12 +249,15 @@ mod tests {
         for k in 0..=40 {
             let s = f64::from(k) / 40.0;
             for (u, v) in [(0.0, s), (1.0, s), (s, 0.0), (s, 1.0)] {
-                let p = disk.point_at(u, v);
+                let p = disk.point_at(DVec2::new(u, v));
                 assert!((p.length() - 2.0).abs() < 2e-15 && p.z == 0.0, "({u}, {v}): {p}");
             }
-            assert!(disk.point_at(0.0, s).distance(u0.point_at(s)) < 1e-15, "equal ends: speed");
-            assert!(disk.point_at(s, 0.0).distance(v0.point_at(s)) < 1e-15);
-            assert!(disk.point_at(s, 0.7).length() <= 2.0 + 1e-14);
+            assert!(
+                disk.point_at(DVec2::new(0.0, s)).distance(u0.point_at(s)) < 1e-15,
+                "equal ends: speed"
+            );
+            assert!(disk.point_at(DVec2::new(s, 0.0)).distance(v0.point_at(s)) < 1e-15);
+            assert!(disk.point_at(DVec2::new(s, 0.7)).length() <= 2.0 + 1e-14);
         }
     }
 

@@ -1,6 +1,6 @@
 //! Things drawn together: equal parts become one, others do not.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 use super::{
     Caps, Component, ComponentKind, ControlNet, Drawing, NetStyle, TubeStyle, control_net, tube,
@@ -44,7 +44,7 @@ fn ends_that_meet_become_one_ball() {
         assert_eq!(counts(&pieces), [4, 4, 0]);
         for corner in flat(&corners, size) {
             let around = |piece: &&Component| {
-                let on = piece.surface.point_at(0.3, 0.4).distance(corner) / size;
+                let on = piece.surface.point_at(DVec2::new(0.3, 0.4)).distance(corner) / size;
                 piece.kind == ComponentKind::Joint && (on - 0.05).abs() < 1e-12
             };
             assert_eq!(pieces.iter().filter(around).count(), 1, "{corner}");
@@ -141,7 +141,10 @@ fn lines_that_overlap_are_joined() {
     assert_eq!(lines.len(), 4);
     // The joined line spans the whole length.
     let [_, (c, d)] = lines[0].surface.domain();
-    let length = lines[0].surface.point_at(0.0, c).distance(lines[0].surface.point_at(0.0, d));
+    let length = lines[0]
+        .surface
+        .point_at(DVec2::new(0.0, c))
+        .distance(lines[0].surface.point_at(DVec2::new(0.0, d)));
     assert!((length - 3.0 * along.length()).abs() < 1e-14, "{length}");
 }
 
@@ -162,7 +165,10 @@ fn nets_of_tubes_with_corners_have_no_rods_within_others() {
             // The middles of the circles at both ends.
             let surface = &piece.surface;
             let [(a, b), (c, d)] = surface.domain();
-            let middle = |v| 0.5 * (surface.point_at(a, v) + surface.point_at(0.5 * (a + b), v));
+            let middle = |v| {
+                0.5 * (surface.point_at(DVec2::new(a, v))
+                    + surface.point_at(DVec2::new(0.5 * (a + b), v)))
+            };
             [middle(c), middle(d)]
         })
         .collect();

@@ -150,7 +150,7 @@ mod tests {
     use super::*;
     use crate::geometry::KnotVector;
     use crate::geometry::shapes::circle_arc;
-    use glam::{DAffine3, DVec3};
+    use glam::{DAffine3, DVec2, DVec3};
 
     fn circle(radius: f64, z: f64) -> NurbsCurve {
         let lift = DAffine3::from_translation(DVec3::new(0.0, 0.0, z));
@@ -174,7 +174,7 @@ mod tests {
             let Loft { surface, parameters } = loft(&sections, 2.min(count - 1)).unwrap();
             assert!(!surface.is_rational(), "{count}");
             for (section, v) in sections.iter().zip(parameters) {
-                let middle = surface.point_at(0.5, v);
+                let middle = surface.point_at(DVec2::new(0.5, v));
                 let (start, end) = section.domain();
                 let expected = section.derivatives(0.5 * (start + end)).point;
                 assert!(middle.distance(expected) < 1e-13, "{count}");
@@ -194,7 +194,7 @@ mod tests {
                 }
                 for (i, j) in (0..=20).flat_map(|i| (0..=20).map(move |j| (i, j))) {
                     let (u, v) = (f64::from(i) / 20.0, f64::from(j) / 20.0);
-                    let p = surface.point_at(u, v) / size;
+                    let p = surface.point_at(DVec2::new(u, v)) / size;
                     let off = p.truncate().length() - (2.0 - 0.5 * p.z);
                     assert!(off.abs() < 4e-15, "degree {degree}, ({u}, {v}): off by {off:e}");
                     assert!((p.z - 3.0 * v).abs() < 4e-15);
@@ -220,7 +220,8 @@ mod tests {
             let (a, b) = section.domain();
             for k in 0..=40 {
                 let s = f64::from(k) / 40.0;
-                let off = surface.point_at(s, v).distance(section.point_at(a + s * (b - a)));
+                let off =
+                    surface.point_at(DVec2::new(s, v)).distance(section.point_at(a + s * (b - a)));
                 assert!(off < 1e-14, "v = {v}, u = {s}: off by {off:e}");
             }
         }
@@ -231,7 +232,9 @@ mod tests {
         // A fan: all sections begin in one point.
         let ray = |x: f64| NurbsCurve::bezier(&[DVec3::ZERO, DVec3::new(x, 1.0, x * x)]).unwrap();
         let fan = loft(&[ray(-1.0), ray(0.0), ray(1.0)], 2).unwrap().surface;
-        assert!((0..=10).all(|k| fan.point_at(0.0, f64::from(k) / 10.0) == DVec3::ZERO));
+        assert!(
+            (0..=10).all(|k| fan.point_at(DVec2::new(0.0, f64::from(k) / 10.0)) == DVec3::ZERO)
+        );
         assert_eq!(
             loft(&[ray(0.0), ray(1.0), ray(1.0)], 2).unwrap_err().to_string(),
             "sections 1 and 2 coincide: neighbours must differ"

@@ -70,6 +70,8 @@ pub fn revolve(
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
     use crate::geometry::{KnotVector, shapes};
 
@@ -107,18 +109,19 @@ mod tests {
             let torus = revolve(&profile, &axis, degrees).unwrap();
             for (i, j) in (0..=24).flat_map(|i| (0..=24).map(move |j| (i, j))) {
                 let (u, v) = (f64::from(i) / 24.0, f64::from(j) / 24.0);
-                let p = (torus.point_at(u, v) - origin) / size;
+                let p = (torus.point_at(DVec2::new(u, v)) - origin) / size;
                 let z = p.dot(w);
                 let off = ((p - z * w).length() - 3.0).hypot(z) - 1.0;
                 assert!(off.abs() < 1e-14, "({u}, {v}): off by {off:e}");
             }
             // The turn ends where it should.
             let turn = glam::DQuat::from_axis_angle(w, degrees.to_radians());
-            let off =
-                torus.point_at(1.0, 0.3) - origin - turn * (torus.point_at(0.0, 0.3) - origin);
+            let off = torus.point_at(DVec2::new(1.0, 0.3))
+                - origin
+                - turn * (torus.point_at(DVec2::new(0.0, 0.3)) - origin);
             assert!(off.length() < 1e-14 * size, "{degrees}: {off}");
             // The normal points outward on the outer equator.
-            let normal = torus.normal(0.0, 0.0).unwrap();
+            let normal = torus.normal(DVec2::ZERO).unwrap();
             assert!((normal.dot(a) - degrees.signum()).abs() < 1e-14);
             assert!(normal.dot(b).abs() < 1e-14);
         }
@@ -139,7 +142,8 @@ mod tests {
             assert!(first.distance(points[0]) < 1e-16 && last.distance(points[2]) < 3e-16);
             assert_eq!(lens.point(0, 1), lens.point(8, 1), "closed");
         }
-        let poles = [lens.normal(0.3, 0.0), lens.normal(0.8, 1.0)].map(Option::unwrap);
+        let poles = [lens.normal(DVec2::new(0.3, 0.0)), lens.normal(DVec2::new(0.8, 1.0))]
+            .map(Option::unwrap);
         assert!(poles.iter().all(|normal| normal.is_finite()));
     }
 

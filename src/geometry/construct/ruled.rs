@@ -79,6 +79,8 @@ pub fn ruled(from: &NurbsCurve, to: &NurbsCurve) -> Result<NurbsSurface, Constru
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
     use crate::geometry::shapes::UnitArc;
     use crate::geometry::{KnotVector, shapes};
@@ -99,7 +101,10 @@ mod tests {
             for (a, b) in side.control().iter().zip(same.control()) {
                 assert!(a.distance(*b) <= 1e-15 * size, "{a} {b}");
             }
-            assert!(side.normal(0.1, 0.5).unwrap().dot(side.point_at(0.1, 0.0)) > 0.0);
+            assert!(
+                side.normal(DVec2::new(0.1, 0.5)).unwrap().dot(side.point_at(DVec2::new(0.1, 0.0)))
+                    > 0.0
+            );
         }
         let profile = arc(0.0, 90.0, 1.0, 0.0);
         assert_eq!(
@@ -114,11 +119,11 @@ mod tests {
         let turned = ruled(&arc(0.0, 360.0, 2.0, -1.0), &arc(90.0, 360.0, 2.0, 1.0)).unwrap();
         for (i, j) in (0..=20).flat_map(|i| (0..=20).map(move |j| (i, j))) {
             let (u, v) = (f64::from(i) / 20.0, f64::from(j) / 20.0);
-            let p = frustum.point_at(u, v);
+            let p = frustum.point_at(DVec2::new(u, v));
             let off = p.truncate().length() - (2.0 - p.z / 4.0);
             assert!(off.abs() < 2e-15 && (p.z - 4.0 * v).abs() < 4e-15, "({u}, {v}): {p}");
             // Chords of a quarter turn: x² + y² = 2 (1 + z²).
-            let p = turned.point_at(u, v);
+            let p = turned.point_at(DVec2::new(u, v));
             let off = p.truncate().length_squared() - 2.0 * (1.0 + p.z * p.z);
             assert!(off.abs() < 1e-14, "({u}, {v}): {off:e}");
         }
@@ -135,12 +140,13 @@ mod tests {
         let (a, b) = cubic.domain();
         for k in 0..=50 {
             let s = f64::from(k) / 50.0;
-            assert!(surface.point_at(s, 0.0).distance(half.point_at(s)) < 5e-15);
+            assert!(surface.point_at(DVec2::new(s, 0.0)).distance(half.point_at(s)) < 5e-15);
             let to = cubic.point_at(a + s * (b - a));
-            assert!(surface.point_at(s, 1.0).distance(to) < 5e-15);
+            assert!(surface.point_at(DVec2::new(s, 1.0)).distance(to) < 5e-15);
             // The rulings are straight.
             let chord = to - half.point_at(s);
-            let off = (surface.point_at(s, 0.3) - half.point_at(s)).cross(chord).length();
+            let off =
+                (surface.point_at(DVec2::new(s, 0.3)) - half.point_at(s)).cross(chord).length();
             assert!(off < 1e-14 * chord.length_squared());
         }
     }

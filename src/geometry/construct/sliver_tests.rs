@@ -1,6 +1,6 @@
 //! Paths with two knots that were meant to be one.
 
-use glam::{DAffine3, DQuat, DVec3};
+use glam::{DAffine3, DQuat, DVec2, DVec3};
 
 use super::path::kinks;
 use super::stops::without_stops;
@@ -38,7 +38,8 @@ fn no_bends_and_no_kinks_between_knots_that_nearly_agree() {
         let made = made.unwrap_or_else(|error| panic!("{gap:e}: {error}"));
         for (u, v) in (0..=12).flat_map(|i| (0..=24).map(move |j| (i, j))) {
             let (u, v) = (f64::from(u) / 12.0, f64::from(v) / 24.0);
-            let off = made.surface.point_at(u, v).distance(same.point_at(u, v));
+            let off =
+                made.surface.point_at(DVec2::new(u, v)).distance(same.point_at(DVec2::new(u, v)));
             // The curve itself moves by less than its speed, about 10, times the gap.
             assert!(off < 2.0 * made.deviation + 10.0 * gap, "{gap:e}: {off:e} at ({u}, {v})");
         }

@@ -1,6 +1,6 @@
 //! Sweeps against what they should be: along lines, circles, and all other paths.
 
-use glam::{DAffine3, DQuat, DVec3};
+use glam::{DAffine3, DQuat, DVec2, DVec3};
 
 use super::*;
 use crate::geometry::NurbsCurve;
@@ -18,7 +18,7 @@ fn grid() -> impl Iterator<Item = (f64, f64)> {
 /// The surface's point at shares of its domain.
 fn at(sweep: &Sweep, (u, v): (f64, f64)) -> DVec3 {
     let [(a, b), (c, d)] = sweep.surface.domain();
-    sweep.surface.point_at(a + u * (b - a), c + v * (d - c))
+    sweep.surface.point_at(DVec2::new(a + u * (b - a), c + v * (d - c)))
 }
 
 #[test]
@@ -40,7 +40,7 @@ fn along_a_line_a_circle_makes_a_cylinder_a_cone_or_a_trumpet() {
                 assert!((p.truncate().length() - radius).abs() < 2e-15, "({u}, {v}): {p}");
                 assert!((p.z - 1.0 - 3.0 * v).abs() < 2e-15);
             }
-            let normal = made.surface.normal(0.0, made.surface.domain()[1].0).unwrap();
+            let normal = made.surface.normal(DVec2::new(0.0, made.surface.domain()[1].0)).unwrap();
             assert!(normal.x > 0.4, "outward");
         }
     }
@@ -207,8 +207,9 @@ fn reported_deviations_hold_everywhere() {
                         let p = square.point(corner);
                         let expected = at.point + p.x * x + p.y * y;
                         let (u, _) = square.domain();
-                        let ours =
-                            made.surface.point_at(u + corner as f64 * square_side(&square), t);
+                        let ours = made
+                            .surface
+                            .point_at(DVec2::new(u + corner as f64 * square_side(&square), t));
                         worst = worst.max(ours.distance(expected));
                     }
                 }

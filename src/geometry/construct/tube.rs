@@ -65,7 +65,7 @@ pub fn ribbon(curve: &NurbsCurve, style: &RibbonStyle) -> Result<Vec<Component>,
 
 #[cfg(test)]
 mod tests {
-    use glam::DAffine3;
+    use glam::{DAffine3, DVec2};
 
     use super::*;
     use crate::geometry::KnotVector;
@@ -109,7 +109,7 @@ mod tests {
             let [(a, b), (c, d)] = surface.domain();
             for (i, j) in (0..=40).flat_map(|i| (0..=12).map(move |j| (i, j))) {
                 let v = c + (d - c) * f64::from(i) / 40.0;
-                let point = surface.point_at(a + (b - a) * f64::from(j) / 12.0, v);
+                let point = surface.point_at(DVec2::new(a + (b - a) * f64::from(j) / 12.0, v));
                 let off = point.distance(curve.point_at(v)) / radius - 1.0;
                 assert!(off.abs() <= 1.5e-3, "{radius}: {off}");
             }
@@ -131,7 +131,8 @@ mod tests {
                 for (i, j) in (0..=12).flat_map(|i| (0..=12).map(move |j| (i, j))) {
                     let share = [f64::from(i) / 12.0, f64::from(j) / 12.0];
                     let (u, v) = (a + share[0] * (b - a), c + share[1] * (d - c));
-                    let (lines, corner) = distances(piece.surface.point_at(u, v), &corners);
+                    let (lines, corner) =
+                        distances(piece.surface.point_at(DVec2::new(u, v)), &corners);
                     let right = |distance: &f64| (distance / size - 0.1).abs() < 1e-14;
                     let fits = match piece.kind {
                         ComponentKind::Tube => lines.iter().any(right),
@@ -157,8 +158,12 @@ mod tests {
             for piece in &pieces {
                 let [(a, b), (c, d)] = piece.surface.domain();
                 let (u, v) = (a + 0.3 * (b - a), c + 0.4 * (d - c));
-                let outward = piece.surface.point_at(u, v) - centre;
-                assert!(piece.surface.normal(u, v).unwrap().dot(outward) > 0.0, "{}", piece.kind);
+                let outward = piece.surface.point_at(DVec2::new(u, v)) - centre;
+                assert!(
+                    piece.surface.normal(DVec2::new(u, v)).unwrap().dot(outward) > 0.0,
+                    "{}",
+                    piece.kind
+                );
             }
         }
     }
@@ -187,8 +192,8 @@ mod tests {
         let [(a, b), _] = band.domain();
         for k in 0..=20 {
             let v = f64::from(k) / 20.0;
-            assert!(band.normal(0.5 * (a + b), v).unwrap().distance(DVec3::Z) < 1e-12);
-            let across = band.point_at(a, v) - band.point_at(b, v);
+            assert!(band.normal(DVec2::new(0.5 * (a + b), v)).unwrap().distance(DVec3::Z) < 1e-12);
+            let across = band.point_at(DVec2::new(a, v)) - band.point_at(DVec2::new(b, v));
             let most = 2.0 * pieces[0].deviation;
             assert!(most < 2e-5 && (across.length() - 0.2).abs() < most, "{v}");
             assert!(across.dot(curve.derivatives(v).first.normalize()).abs() < most);

@@ -78,6 +78,8 @@ pub fn deck_patch() -> NurbsSurface {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
 
     /// The parameters `(u, v)`, the point, `Sᵤ` and `Sᵥ`.
@@ -90,16 +92,16 @@ mod tests {
 
     fn has_values(patch: &NurbsSurface, facts: &[Fact], products: &[[f64; 3]]) {
         for &((u, v), point, du, dv) in facts {
-            let s = patch.derivatives(u, v);
-            close(patch.point_at(u, v), point);
+            let s = patch.derivatives(DVec2::new(u, v));
+            close(patch.point_at(DVec2::new(u, v)), point);
             close(s.point, point);
             close(s.du, du);
             close(s.dv, dv);
         }
         for (&((u, v), ..), &product) in facts.iter().zip(products) {
-            let s = patch.derivatives(u, v);
+            let s = patch.derivatives(DVec2::new(u, v));
             close(s.du.cross(s.dv), product);
-            close(patch.normal(u, v).unwrap(), DVec3::from(product).normalize().into());
+            close(patch.normal(DVec2::new(u, v)).unwrap(), DVec3::from(product).normalize().into());
         }
     }
 
@@ -254,7 +256,7 @@ mod tests {
                 let c = cubic([-36., 27., 9., -6.], t);
                 let d = cubic([9., -12., 3., 5.], t);
                 let along = |k: usize| cubic([a[k], b[k], c[k], d[k]], s);
-                let z = patch.derivatives(s, t);
+                let z = patch.derivatives(DVec2::new(s, t));
                 close(z.point, [3. * t, 3. * s, along(0)[0]]);
                 close(z.du, [0., 3., along(0)[1]]);
                 close(z.dv, [3., 0., along(1)[0]]);

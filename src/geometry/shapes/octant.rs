@@ -164,6 +164,8 @@ pub fn octant_quartic(radius: f64) -> Result<TrianglePatch, ShapeError> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
 
     #[test]
@@ -173,7 +175,9 @@ mod tests {
             let scaled = OctantConstants::new(note.a, note.b.map(|b| factor * b)).unwrap();
             let (a, b) = (scaled.octant(2.0).unwrap(), octant_quartic(2.0).unwrap());
             for (u, v) in [(0.0, 0.0), (0.2, 0.3), (0.5, 0.5), (0.1, 0.9)] {
-                assert!(a.point_at(u, v).distance(b.point_at(u, v)) < 2e-15);
+                assert!(
+                    a.point_at(DVec2::new(u, v)).distance(b.point_at(DVec2::new(u, v))) < 2e-15
+                );
             }
         }
     }

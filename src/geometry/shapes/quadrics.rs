@@ -133,6 +133,8 @@ pub fn plane(width: f64, height: f64) -> Result<NurbsSurface, ShapeError> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
 
     fn close(a: DVec3, b: [f64; 3]) {
@@ -171,11 +173,11 @@ mod tests {
             ),
         ];
         for ((u, v), point, du, dv) in cases {
-            let s = sphere.derivatives(u, v);
+            let s = sphere.derivatives(DVec2::new(u, v));
             close(s.point, point);
             close(s.du, du);
             close(s.dv, dv);
-            close(sphere.normal(u, v).unwrap(), point);
+            close(sphere.normal(DVec2::new(u, v)).unwrap(), point);
         }
     }
 
@@ -183,8 +185,8 @@ mod tests {
     fn hemisphere_has_the_closed_form() {
         let note = hemisphere_of_the_note(1.0).unwrap();
         let outward = hemisphere(1.0).unwrap();
-        close(note.point_at(0.25, 1.0 / 3.0), [16. / 25., 12. / 25., 3. / 5.]);
-        close(note.point_at(0.5, 0.5), [0., 1., 0.]);
+        close(note.point_at(DVec2::new(0.25, 1.0 / 3.0)), [16. / 25., 12. / 25., 3. / 5.]);
+        close(note.point_at(DVec2::new(0.5, 0.5)), [0., 1., 0.]);
         for i in 0..=10 {
             for j in 0..=10 {
                 let (u, v) = (f64::from(i) / 10.0, f64::from(j) / 10.0);
@@ -192,9 +194,9 @@ mod tests {
                 let x = 2. * v * (2. * u - 1.) * (v - 1.) / (wu * wv);
                 let y = 4. * u * v * (u - 1.) * (v - 1.) / (wu * wv);
                 let z = (1. - 2. * v) / wv;
-                close(note.point_at(u, v), [x, y, z]);
-                close(note.normal(u, v).unwrap(), [-x, -y, -z]);
-                close(outward.normal(v, u).unwrap(), [x, y, z]);
+                close(note.point_at(DVec2::new(u, v)), [x, y, z]);
+                close(note.normal(DVec2::new(u, v)).unwrap(), [-x, -y, -z]);
+                close(outward.normal(DVec2::new(v, u)).unwrap(), [x, y, z]);
             }
         }
     }
@@ -202,17 +204,17 @@ mod tests {
     #[test]
     fn octants_differ_by_their_parameters_only() {
         let note = octant_of_the_note(1.0).unwrap();
-        close(note.point_at(0.5, 0.5), [9. / 25., 12. / 25., 4. / 5.]);
-        close(note.point_at(1.0 / 3.0, 0.5), [12. / 25., 16. / 25., 3. / 5.]);
+        close(note.point_at(DVec2::new(0.5, 0.5)), [9. / 25., 12. / 25., 4. / 5.]);
+        close(note.point_at(DVec2::new(1.0 / 3.0, 0.5)), [12. / 25., 16. / 25., 3. / 5.]);
         let octant = octant_biquadratic(1.0).unwrap();
         for i in 0..=10 {
             for j in 0..=10 {
                 let (u, v) = (f64::from(i) / 10.0, f64::from(j) / 10.0);
-                let point = note.point_at(u, v);
+                let point = note.point_at(DVec2::new(u, v));
                 assert!((point.length() - 1.0).abs() < 1e-15);
-                assert!((octant.point_at(v, u) - point).length() < 1e-15);
-                close(note.normal(u, v).unwrap(), (-point).into());
-                close(octant.normal(v, u).unwrap(), point.into());
+                assert!((octant.point_at(DVec2::new(v, u)) - point).length() < 1e-15);
+                close(note.normal(DVec2::new(u, v)).unwrap(), (-point).into());
+                close(octant.normal(DVec2::new(v, u)).unwrap(), point.into());
             }
         }
     }
@@ -223,7 +225,8 @@ mod tests {
             let sphere = sphere(radius).unwrap();
             for i in 0..=30 {
                 for j in 0..=30 {
-                    let point = sphere.point_at(f64::from(i) / 30.0, f64::from(j) / 30.0);
+                    let point =
+                        sphere.point_at(DVec2::new(f64::from(i) / 30.0, f64::from(j) / 30.0));
                     assert!((point.length() / radius - 1.0).abs() < 1e-15, "{point}");
                 }
             }

@@ -97,6 +97,8 @@ pub fn disk(radius: f64) -> Result<NurbsSurface, ShapeError> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
 
     /// Closed surfaces close bit for bit: the last points around are the first.
@@ -118,15 +120,15 @@ mod tests {
             for i in 0..=30 {
                 for j in 0..=30 {
                     let (u, v) = (f64::from(i) / 30.0, f64::from(j) / 30.0);
-                    let round = sphere.point_at(u, v).length() / size - 1.0;
+                    let round = sphere.point_at(DVec2::new(u, v)).length() / size - 1.0;
                     assert!(round.abs() < 1e-15, "({u}, {v}): off by {round:e}");
-                    let p = torus.point_at(u, v) / size;
+                    let p = torus.point_at(DVec2::new(u, v)) / size;
                     let tube = (p.truncate().length() - 3.0).hypot(p.z) - 1.0;
                     assert!(tube.abs() < 2e-15, "({u}, {v}): off by {tube:e}");
                 }
             }
-            assert_eq!(torus.point_at(0.0, 0.25), DVec3::new(3.0 * size, 0.0, size));
-            assert_eq!(sphere.point_at(0.25, 0.5), DVec3::new(0.0, size, 0.0));
+            assert_eq!(torus.point_at(DVec2::new(0.0, 0.25)), DVec3::new(3.0 * size, 0.0, size));
+            assert_eq!(sphere.point_at(DVec2::new(0.25, 0.5)), DVec3::new(0.0, size, 0.0));
         }
     }
 
@@ -138,10 +140,10 @@ mod tests {
         for i in 0..=20 {
             for j in 0..=20 {
                 let (u, v) = (f64::from(i) / 20.0, f64::from(j) / 20.0);
-                let p = cone.point_at(u, v);
+                let p = cone.point_at(DVec2::new(u, v));
                 assert!((p.z - 3.0 * v).abs() < 1e-15 * 3.0);
                 assert!((p.truncate().length() - 2.0 * (1.0 - v)).abs() < 1e-15 * 2.0);
-                let p = disk.point_at(v, u);
+                let p = disk.point_at(DVec2::new(v, u));
                 assert!(p.z == 0.0 && (p.length() - 2.0 * v).abs() < 1e-15 * 2.0);
             }
         }

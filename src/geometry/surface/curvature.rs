@@ -55,7 +55,7 @@ impl SurfaceDerivatives {
 
 #[cfg(test)]
 mod tests {
-    use glam::{DAffine3, DMat3, DVec3};
+    use glam::{DAffine3, DMat3, DVec2, DVec3};
 
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface, shapes};
@@ -87,7 +87,7 @@ mod tests {
             for (s, t) in inside() {
                 let at = |surface: &NurbsSurface| {
                     let [u, v] = surface.domain();
-                    surface.derivatives(u.0 + s * (u.1 - u.0), v.0 + t * (v.1 - v.0))
+                    surface.derivatives(DVec2::new(u.0 + s * (u.1 - u.0), v.0 + t * (v.1 - v.0)))
                 };
                 assert_bends(&at(&sphere), [-1.0 / size; 2], size);
                 assert_bends(&at(&sphere.reversed_u()), [1.0 / size; 2], size);
@@ -105,7 +105,7 @@ mod tests {
         let points = corners.map(|[x, y]| DVec3::new(x, y, x * y)).to_vec();
         let saddle = NurbsSurface::new(line(), line(), points, None).unwrap();
         for (x, y) in inside() {
-            let at = saddle.derivatives(x, y);
+            let at = saddle.derivatives(DVec2::new(x, y));
             let slope = 1.0 + x * x + y * y;
             let (gaussian, mean) = (-1.0 / (slope * slope), -x * y / slope.powf(1.5));
             let radius = (mean * mean - gaussian).sqrt();
@@ -128,7 +128,7 @@ mod tests {
         let moved = shapes::torus(3.0, 1.0).unwrap().transformed(&map).unwrap();
         for (s, t) in inside() {
             let [u, v] = moved.domain();
-            let at = moved.derivatives(u.0 + s * (u.1 - u.0), v.0 + t * (v.1 - v.0));
+            let at = moved.derivatives(DVec2::new(u.0 + s * (u.1 - u.0), v.0 + t * (v.1 - v.0)));
             // The distance from the axis decides the second curvature: n · (away from it) / it.
             let axis = map.matrix3 * DVec3::Z;
             let from_centre = at.point - map.translation;
@@ -140,7 +140,7 @@ mod tests {
         let sphere = shapes::sphere(1.0).unwrap();
         let [u, v] = sphere.domain();
         let ends = [(u.0, v.0), (u.0, v.1), (u.1, v.0), (u.1, v.1)];
-        let poles = ends.map(|(u, v)| sphere.derivatives(u, v));
+        let poles = ends.map(|(u, v)| sphere.derivatives(DVec2::new(u, v)));
         assert!(poles.iter().all(|at| at.point.z.abs() < 1.0 || at.curvature().is_none()));
         assert!(poles.iter().any(|at| at.curvature().is_none()));
     }

@@ -12,12 +12,12 @@ impl NurbsSurface {
     ///
     /// Off the domain the end pieces continue as polynomials, where a rational surface may
     /// have poles; NaN gives NaN.
-    pub fn point_at(&self, u: f64, v: f64) -> DVec3 {
+    pub fn point_at(&self, uv: DVec2) -> DVec3 {
         let (mut nu, mut nv): (BasisValues, BasisValues) =
             ([0.0; MAX_DEGREE + 1], [0.0; MAX_DEGREE + 1]);
         let (p, q) = (self.knots_u().degree(), self.knots_v().degree());
         let (first_i, first_j) =
-            (self.knots_u().basis(u, &mut nu) - p, self.knots_v().basis(v, &mut nv) - q);
+            (self.knots_u().basis(uv.x, &mut nu) - p, self.knots_v().basis(uv.y, &mut nv) - q);
         let mut sum = DVec4::ZERO;
         for a in 0..=p {
             let mut row = DVec4::ZERO;
@@ -69,8 +69,9 @@ impl NurbsSurface {
     /// all coordinates are then taken relative to it. So the control points of a collapsed edge
     /// near by are nearly zero and add nearly no rounding error to the small derivative along
     /// that edge, and normals are right up to the pole.
-    pub fn derivatives(&self, u: f64, v: f64) -> SurfaceDerivatives {
-        let (nu, nv) = (self.knots_u().basis_derivatives(u), self.knots_v().basis_derivatives(v));
+    pub fn derivatives(&self, uv: DVec2) -> SurfaceDerivatives {
+        let nu = self.knots_u().basis_derivatives(uv.x);
+        let nv = self.knots_v().basis_derivatives(uv.y);
         let origin = {
             let sum = self.combined(&nu, &nv, |point| point)[0];
             sum.xyz() / sum.w
@@ -135,17 +136,17 @@ impl NurbsSurface {
     /// rounding (as near a pole), gets the border's normal. The derivatives of a rational surface
     /// follow the quotient rule (the course deck prints `N = S_u × S_v` with the derivatives of a
     /// polynomial patch only). See [`SurfaceDerivatives::unit_normal`].
-    pub fn normal(&self, u: f64, v: f64) -> Option<DVec3> {
+    pub fn normal(&self, uv: DVec2) -> Option<DVec3> {
         let [domain_u, domain_v] = self.domain();
-        let inward = |u, v| DVec2::new(side(u, domain_u), side(v, domain_v));
-        let here = self.derivatives(u, v);
-        here.unit_normal(inward(u, v)).or_else(|| {
-            let (end_u, end_v) = (near_end(u, domain_u), near_end(v, domain_v));
+        let inward = |uv: DVec2| DVec2::new(side(uv.x, domain_u), side(uv.y, domain_v));
+        let here = self.derivatives(uv);
+        here.unit_normal(inward(uv)).or_else(|| {
+            let end = DVec2::new(near_end(uv.x, domain_u), near_end(uv.y, domain_v));
             let unseen = UNSEEN * here.point.abs().max_element();
-            [(end_u, v), (u, end_v), (end_u, end_v)].into_iter().find_map(|(u, v)| {
-                let border = self.derivatives(u, v);
+            [end.with_y(uv.y), end.with_x(uv.x), end].into_iter().find_map(|at| {
+                let border = self.derivatives(at);
                 let same = border.point.distance(here.point) <= unseen;
-                if same { border.unit_normal(inward(u, v)) } else { None }
+                if same { border.unit_normal(inward(at)) } else { None }
             })
         })
     }

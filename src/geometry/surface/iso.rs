@@ -36,6 +36,8 @@ impl NurbsSurface {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use crate::geometry::{Direction, shapes};
 
     #[test]
@@ -47,8 +49,8 @@ mod tests {
                 Direction::BOTH.map(|fixed| sphere.curve_at(fixed, t).unwrap());
             for l in 0..=16 {
                 let s = f64::from(l) / 16.0;
-                assert!(along_v.point_at(s).distance(sphere.point_at(t, s)) < 2e-15);
-                assert!(along_u.point_at(s).distance(sphere.point_at(s, t)) < 2e-15);
+                assert!(along_v.point_at(s).distance(sphere.point_at(DVec2::new(t, s))) < 2e-15);
+                assert!(along_u.point_at(s).distance(sphere.point_at(DVec2::new(s, t))) < 2e-15);
             }
         }
         assert_eq!(

@@ -23,6 +23,8 @@ pub fn matrix_patch(
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
 
     fn blended(form: MatrixForm, g: [DVec3; 4], t: f64) -> DVec3 {
@@ -40,7 +42,7 @@ mod tests {
             let patch = matrix_patch(form, net).unwrap();
             for (s, t) in [(0.0, 0.0), (0.3, 0.8), (1.0, 0.5), (0.25, 1.0)] {
                 let rows = net.map(|row| blended(form, row, t));
-                let off = patch.point_at(s, t).distance(blended(form, rows, s));
+                let off = patch.point_at(DVec2::new(s, t)).distance(blended(form, rows, s));
                 assert!(off < 1e-14, "{form:?} at ({s}, {t}): off by {off:e}");
             }
         }

@@ -1,6 +1,6 @@
 //! The surface does not move: insertion, clamping, splitting, elevation, turning.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 use proptest::prelude::*;
 
 use crate::geometry::*;
@@ -28,7 +28,7 @@ fn stays(a: &NurbsSurface, b: &NurbsSurface, map: impl Fn(f64, f64) -> (f64, f64
     for &u in &samples(domain_u) {
         for &v in &samples(domain_v) {
             let (s, t) = map(u, v);
-            let off = (a.point_at(u, v) - b.point_at(s, t)).length();
+            let off = (a.point_at(DVec2::new(u, v)) - b.point_at(DVec2::new(s, t))).length();
             assert!(off <= most, "at ({u}, {v}): off by {off:e} of {most:e}\n{a:?}\n{b:?}");
         }
     }
@@ -136,7 +136,7 @@ proptest! {
         let most = 4.0 * STAYS * magnitude(&s);
         for &u in &samples(s.domain()[0]) {
             for &v in &samples(s.domain()[1]) {
-                let off = map.transform_point3(s.point_at(u, v)) - moved.point_at(u, v);
+                let off = map.transform_point3(s.point_at(DVec2::new(u, v))) - moved.point_at(DVec2::new(u, v));
                 prop_assert!(off.length() <= most, "at ({u}, {v}): off by {off}");
             }
         }

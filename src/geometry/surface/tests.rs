@@ -1,6 +1,6 @@
 //! Surfaces: refused input, properties that operations keep, and values of derivatives.
 
-use glam::{DAffine3, DMat3, DVec3, DVec4};
+use glam::{DAffine3, DMat3, DVec2, DVec3, DVec4};
 
 use crate::geometry::*;
 
@@ -183,7 +183,10 @@ fn domains_are_moved_with_their_knots() {
     assert_eq!(moved.domain(), [(-2.0, 6.0), (10.0, 11.0)]);
     assert_eq!(moved.control(), surface.control());
     for (u, v) in [(0.0, 0.0), (0.125, 0.5), (0.25, 0.75), (1.0, 1.0)] {
-        assert_eq!(moved.point_at(8.0 * u - 2.0, v + 10.0), surface.point_at(u, v));
+        assert_eq!(
+            moved.point_at(DVec2::new(8.0 * u - 2.0, v + 10.0)),
+            surface.point_at(DVec2::new(u, v))
+        );
     }
     assert_eq!(surface.on_domain(surface.domain()), Ok(surface.clone()));
     let message = |domain| surface.on_domain(domain).unwrap_err().to_string();
@@ -212,7 +215,10 @@ fn accessors_read_the_net_v_fastest() {
     assert_eq!(surface.reversed_u().point(0, 1), surface.point(2, 1));
     assert_eq!(surface.reversed_v().point(2, 2), surface.point(2, 1));
     assert_eq!(surface.reversed_u().reversed_u(), surface);
-    assert_eq!(surface.reversed_v().point_at(0.25, 0.125), surface.point_at(0.25, 0.875));
+    assert_eq!(
+        surface.reversed_v().point_at(DVec2::new(0.25, 0.125)),
+        surface.point_at(DVec2::new(0.25, 0.875))
+    );
 }
 
 /// `S = (u, v, 0) / (1 + u v)`, whose derivatives have closed forms, at every scale.
@@ -230,12 +236,12 @@ fn rational_surfaces_follow_the_quotient_rule() {
         let surface = surface.elevated_u(2).unwrap().elevated_v(1).unwrap();
         for (u, v) in [(0.0, 0.0), (0.3, 0.8), (0.5, 0.5), (1.0, 0.2), (1.0, 1.0)] {
             let w: f64 = 1.0 + u * v;
-            let s = surface.derivatives(u, v);
+            let s = surface.derivatives(DVec2::new(u, v));
             let near = |a: DVec3, x: f64, y: f64| {
                 let off = (a / scale - DVec3::new(x, y, 0.0)).length();
                 assert!(off < 4e-14, "({u}, {v}) at {scale}: {a} is not ({x}, {y})");
             };
-            near(surface.point_at(u, v), u / w, v / w);
+            near(surface.point_at(DVec2::new(u, v)), u / w, v / w);
             near(s.point, u / w, v / w);
             near(s.du, 1.0 / w.powi(2), -v * v / w.powi(2));
             near(s.dv, -u * u / w.powi(2), 1.0 / w.powi(2));
@@ -258,12 +264,12 @@ fn maps_move_points_and_normals() {
     let mirror = DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0));
     let mirrored = sphere.transformed(&mirror).unwrap();
     for (u, v) in [(0.0, 0.2), (0.3, 0.4), (0.8, 0.9), (1.0, 1.0)] {
-        let point = sphere.point_at(u, v);
-        assert!((moved.point_at(u, v) - map.transform_point3(point)).length() < 1e-14);
+        let point = sphere.point_at(DVec2::new(u, v));
+        assert!((moved.point_at(DVec2::new(u, v)) - map.transform_point3(point)).length() < 1e-14);
         let normal = (cofactor * point).normalize();
-        assert!((moved.normal(u, v).unwrap() - normal).length() < 1e-13);
-        let out = mirrored.point_at(u, v);
-        assert!((mirrored.normal(u, v).unwrap() + out).length() < 1e-13);
+        assert!((moved.normal(DVec2::new(u, v)).unwrap() - normal).length() < 1e-13);
+        let out = mirrored.point_at(DVec2::new(u, v));
+        assert!((mirrored.normal(DVec2::new(u, v)).unwrap() + out).length() < 1e-13);
     }
 }
 
@@ -277,7 +283,7 @@ fn points_on_a_grid_are_the_points() {
     let vs = [1.0, 2.0 / 3.0, 0.5, 0.0, -0.25];
     let bits = |point: DVec3| point.to_array().map(f64::to_bits);
     let grid: Vec<_> = surface.points_at(&us, &vs).into_iter().map(bits).collect();
-    let one_by_one = us.iter().flat_map(|&u| vs.map(|v| bits(surface.point_at(u, v))));
+    let one_by_one = us.iter().flat_map(|&u| vs.map(|v| bits(surface.point_at(DVec2::new(u, v)))));
     assert_eq!(grid, one_by_one.collect::<Vec<_>>());
     assert_eq!(surface.points_at(&us, &[]), []);
 }

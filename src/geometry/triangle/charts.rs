@@ -149,8 +149,8 @@ mod tests {
                 for (s, t) in (0..=12).flat_map(|i| (0..=12).map(move |j| (i, j))) {
                     let (s, t) = (f64::from(s) / 12.0, f64::from(t) / 12.0);
                     let uv = chart.map.uv(DVec2::new(s, t));
-                    let truth = patch.derivatives(uv.x, uv.y);
-                    let found = chart.surface.derivatives(s, t);
+                    let truth = patch.derivatives(uv);
+                    let found = chart.surface.derivatives(DVec2::new(s, t));
                     // The place itself is rounded, by some units of the largest parameter, 1.
                     let speed = truth.du.length() + truth.dv.length();
                     let off = truth.point.distance(found.point) - 2.0 * UNIT_ROUNDOFF * speed;

@@ -52,7 +52,7 @@ fn de_casteljau_is_the_sum_of_bernstein_polynomials() {
         for size in [1e-8, 1.0, 1e8] {
             let patch = bumpy(degree, size);
             for (u, v) in samples(12) {
-                let off = patch.point_at(u, v).distance(summed(&patch, u, v));
+                let off = patch.point_at(DVec2::new(u, v)).distance(summed(&patch, u, v));
                 assert!(off < 4e-15 * size, "degree {degree}, ({u}, {v}): off by {off:e}");
             }
         }
@@ -76,7 +76,7 @@ fn derivatives_are_those_of_the_closed_form() {
     for (u, v) in samples(10) {
         let s = 1.0 + u;
         let z = u * u + 3.0 * u * v - v * v;
-        let at = patch.derivatives(u, v);
+        let at = patch.derivatives(DVec2::new(u, v));
         let expected = [
             (at.point, DVec3::new(u / s, v / s, z / s)),
             (at.du, DVec3::new(1.0, -v, (2.0 * u + 3.0 * v) * s - z) / (s * s)),
@@ -101,9 +101,9 @@ fn derivatives_of_any_degree_agree_with_differences() {
     for degree in [1, 3, 4, 7] {
         let patch = bumpy(degree, 1.0);
         for (u, v) in samples(6) {
-            let at = patch.derivatives(u, v);
-            let [east, west] = [h, -h].map(|h| patch.derivatives(u + h, v));
-            let [north, south] = [h, -h].map(|h| patch.derivatives(u, v + h));
+            let at = patch.derivatives(DVec2::new(u, v));
+            let [east, west] = [h, -h].map(|h| patch.derivatives(DVec2::new(u + h, v)));
+            let [north, south] = [h, -h].map(|h| patch.derivatives(DVec2::new(u, v + h)));
             let central = |a: DVec3, b: DVec3| (a - b) / (2.0 * h);
             assert!(at.du.distance(central(east.point, west.point)) < 1e-7);
             assert!(at.dv.distance(central(north.point, south.point)) < 1e-7);
@@ -123,7 +123,7 @@ fn quarters_are_the_patch_and_share_their_sides() {
             let [a, b, c] = quarter.corners;
             for (u, v) in samples(8) {
                 let at: DVec2 = u * a + v * b + (1.0 - u - v) * c;
-                let off = quarter.patch.point_at(u, v).distance(patch.point_at(at.x, at.y));
+                let off = quarter.patch.point_at(DVec2::new(u, v)).distance(patch.point_at(at));
                 assert!(off < 4e-15, "degree {degree}: off by {off:e}");
             }
             // Orientation: areas keep their sign.
@@ -194,14 +194,14 @@ fn the_octant_is_round_faces_outward_and_has_its_middle_in_the_middle() {
     for radius in [1e-8, 1.0, 1e8] {
         let patch = octant_quartic(radius).unwrap();
         for (u, v) in samples(20) {
-            let p = patch.point_at(u, v) / radius;
+            let p = patch.point_at(DVec2::new(u, v)) / radius;
             assert!((p.length() - 1.0).abs() < 1e-15, "({u}, {v}): {}", p.length() - 1.0);
             // The corners too.
-            let normal = patch.normal(u, v).unwrap();
+            let normal = patch.normal(DVec2::new(u, v)).unwrap();
             assert!(normal.distance(p) < 4e-15, "({u}, {v}): {normal}");
             // Both tangents are tangent, and second derivatives bend as the sphere does:
             // p·S_uu = −S_u·S_u, and so on.
-            let at = patch.derivatives(u, v);
+            let at = patch.derivatives(DVec2::new(u, v));
             assert!(p.dot(at.du).abs() < 2e-15 * at.du.length());
             let bends = [(at.duu, at.du, at.du), (at.duv, at.du, at.dv), (at.dvv, at.dv, at.dv)];
             for (second, a, b) in bends {
@@ -209,7 +209,7 @@ fn the_octant_is_round_faces_outward_and_has_its_middle_in_the_middle() {
                 assert!(off < 1e-13 * second.length() * radius, "({u}, {v}): {off:e}");
             }
         }
-        let middle = patch.point_at(1.0 / 3.0, 1.0 / 3.0) / radius;
+        let middle = patch.point_at(DVec2::new(1.0 / 3.0, 1.0 / 3.0)) / radius;
         assert!(middle.distance(DVec3::splat(3.0_f64.sqrt().recip())) < 2e-16);
     }
     assert!(octant_quartic(0.0).is_err() && octant_quartic(f64::NAN).is_err());
@@ -232,8 +232,10 @@ fn the_octant_s_sides_are_quarter_circles_of_degree_4() {
         // From v = 1, on the y axis, to u = 1, on the x axis.
         let on_side = patch.side(TriangleSide::W).point_at(t);
         assert!(on_side.distance(arc.point_at(1.0 - t)) < 1e-15);
-        assert!(on_side.distance(patch.point_at(t, 1.0 - t)) < 1e-15);
-        assert!((biquadratic.point_at(t, 0.0).length() - on_side.length()).abs() < 1e-15);
+        assert!(on_side.distance(patch.point_at(DVec2::new(t, 1.0 - t))) < 1e-15);
+        assert!(
+            (biquadratic.point_at(DVec2::new(t, 0.0)).length() - on_side.length()).abs() < 1e-15
+        );
     }
 }
 
@@ -283,8 +285,8 @@ fn what_is_no_triangle() {
         "the transform is not finite: all of its numbers must be"
     );
     // w = 1 at the origin, v = 1 at x, u = 1 at y.
-    assert_eq!(patch.normal(1.0, 0.0), Some(DVec3::NEG_Z));
-    assert_eq!(patch.swapped().normal(1.0, 0.0), Some(DVec3::Z));
+    assert_eq!(patch.normal(DVec2::new(1.0, 0.0)), Some(DVec3::NEG_Z));
+    assert_eq!(patch.swapped().normal(DVec2::new(1.0, 0.0)), Some(DVec3::Z));
 }
 
 #[test]
@@ -302,7 +304,7 @@ fn lines_of_constant_parameter_are_the_patch_s_own() {
                         TriangleSide::V => (along, at),
                         TriangleSide::W => (along, 1.0 - at - along),
                     };
-                    let off = curve.point_at(t).distance(patch.point_at(u, v));
+                    let off = curve.point_at(t).distance(patch.point_at(DVec2::new(u, v)));
                     assert!(off < 1e-14, "degree {degree}, {side:?} = {at}, {t}: {off:e}");
                 }
             }

@@ -182,9 +182,9 @@ impl TrianglePatch {
     /// the ratio `u : v : w`.
     ///
     /// Off the triangle the rational functions continue and may have poles; NaN gives NaN.
-    pub fn point_at(&self, u: f64, v: f64) -> DVec3 {
+    pub fn point_at(&self, uv: DVec2) -> DVec3 {
         let mut points = self.control.clone();
-        let at = [u, v, 1.0 - u - v];
+        let at = [uv.x, uv.y, 1.0 - uv.x - uv.y];
         for degree in (1..=self.degree).rev() {
             mix(&mut points, degree, at);
         }
@@ -199,15 +199,15 @@ impl TrianglePatch {
     /// differences of these points; first derivatives are `n` times differences one round later.
     /// The quotients follow as for tensor-product surfaces. As there, all coordinates are taken
     /// relative to the point itself, so that small derivatives keep their digits.
-    pub fn derivatives(&self, u: f64, v: f64) -> SurfaceDerivatives {
-        let origin = self.point_at(u, v);
+    pub fn derivatives(&self, uv: DVec2) -> SurfaceDerivatives {
+        let origin = self.point_at(uv);
         let around = |point: &DVec4| {
             let shifted = |wx: f64, x: f64| (-point.w).mul_add(x, wx);
             let (x, y) = (shifted(point.x, origin.x), shifted(point.y, origin.y));
             DVec4::new(x, y, shifted(point.z, origin.z), point.w)
         };
         let mut points: Vec<DVec4> = self.control.iter().map(around).collect();
-        let at = [u, v, 1.0 - u - v];
+        let at = [uv.x, uv.y, 1.0 - uv.x - uv.y];
         for degree in (3..=self.degree).rev() {
             mix(&mut points, degree, at);
         }
@@ -247,11 +247,10 @@ impl TrianglePatch {
     /// The unit normal `Sᵤ × Sᵥ / |Sᵤ × Sᵥ|`; where the product vanishes on a side or at a corner,
     /// the normal's limit along the way from the middle of the triangle, as far as second
     /// derivatives determine it. `None` where there is none.
-    pub fn normal(&self, u: f64, v: f64) -> Option<DVec3> {
-        let on_a_side = u <= 0.0 || v <= 0.0 || u + v >= 1.0;
-        let third = 1.0 / 3.0;
-        let inward = if on_a_side { DVec2::new(third - u, third - v) } else { DVec2::ZERO };
-        self.derivatives(u, v).unit_normal(inward)
+    pub fn normal(&self, uv: DVec2) -> Option<DVec3> {
+        let on_a_side = uv.x <= 0.0 || uv.y <= 0.0 || uv.x + uv.y >= 1.0;
+        let inward = if on_a_side { DVec2::splat(1.0 / 3.0) - uv } else { DVec2::ZERO };
+        self.derivatives(uv).unit_normal(inward)
     }
 
     /// A side as a curve on `[0, 1]`.

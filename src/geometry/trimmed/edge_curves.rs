@@ -339,7 +339,10 @@ mod tests {
                 assert_eq!(edges.len(), 1, "{du}, {dv}");
                 let (ends, from_to) = (edges[0].ends(), [[0.75, 0.0], [0.0, 0.5]]);
                 for (end, [u, v]) in ends.into_iter().zip(from_to) {
-                    assert!(end.distance(plane.point_at(u, v)) < 2e-15, "{du}, {dv}: {end}");
+                    assert!(
+                        end.distance(plane.point_at(DVec2::new(u, v))) < 2e-15,
+                        "{du}, {dv}: {end}"
+                    );
                 }
                 let kept = |direction, at| part.trims().kept_along(direction, at);
                 for (direction, end) in [(Direction::U, 0.5), (Direction::V, 0.75)] {
@@ -395,14 +398,14 @@ mod tests {
             assert!((point.length() - 1.0).abs() < 1e-13, "{point}");
         }
         // Dense points of the loop, each near one of the edge's, and the middle of the line.
-        let middle = sphere.point_at(0.45, 0.3);
+        let middle = sphere.point_at(DVec2::new(0.45, 0.3));
         let near = |at: DVec3| on_edge.iter().map(|p| p.distance(at)).fold(f64::INFINITY, f64::min);
         assert!(near(middle) < 0.02, "{}", near(middle));
         for k in 0..=50 {
             let t = f64::from(k) / 50.0;
             let points = crate::geometry::bernstein(3, t).unwrap();
             let at: DVec2 = cubic.iter().zip(points).map(|(p, b)| b * *p).sum();
-            assert!(near(sphere.point_at(at.x, at.y)) < 0.03, "{at}");
+            assert!(near(sphere.point_at(at)) < 0.03, "{at}");
         }
 
         // (5 + 5) · 4 is too much.

@@ -73,7 +73,7 @@ mod tests {
             let t = start + f64::from(k) / 500.0 * (end - start);
             let [uv, along] = edges[0].uv_at(t);
             let point = edges[0].curve().point_at(t);
-            assert!(sphere.point_at(uv.x, uv.y).distance(point) < 1e-13, "{t}: {point}");
+            assert!(sphere.point_at(uv).distance(point) < 1e-13, "{t}: {point}");
             assert!((uv.distance(center) - 0.25).abs() < 1e-15, "{t}: {uv}");
             // Counterclockwise around the circle's center.
             let turn = (uv - center).perp_dot(along) / (0.25 * along.length());

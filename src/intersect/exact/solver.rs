@@ -440,7 +440,7 @@ fn next_box(rect: StRect, part: StRect, exhausted: [bool; 2], longer: usize) -> 
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
+    use glam::{DVec2, DVec3};
 
     use crate::geometry::NurbsCurve;
     use crate::geometry::construct::{Caps, TubeStyle, tube};
@@ -462,8 +462,9 @@ mod tests {
         for k in 0..70 {
             for v in [0.1, 0.37, 0.8] {
                 let u = 0.129_007_5 + 1e-4 * f64::from(k);
-                let normal = cylinder.normal(u, v).unwrap();
-                let inward = Ray::new(cylinder.point_at(u, v) + 0.5 * normal, -normal).unwrap();
+                let normal = cylinder.normal(DVec2::new(u, v)).unwrap();
+                let inward =
+                    Ray::new(cylinder.point_at(DVec2::new(u, v)) + 0.5 * normal, -normal).unwrap();
                 let hit = tracer.first_hit(&Query::primary(inward)).hit.unwrap();
                 let onward = Ray::new(hit.point, DVec3::new(3.0, -1.0, 3.0)).unwrap();
                 let cosine = normal.dot(onward.direction().normalize());

@@ -103,7 +103,7 @@ impl Piece {
 
     /// The normal at a pair of parameters, and what these are on the whole surface.
     pub(super) fn detail(&self, uv: DVec2) -> Detail {
-        let normal = self.surface.normal(uv.x, uv.y).unwrap_or(DVec3::NAN);
+        let normal = self.surface.normal(uv).unwrap_or(DVec3::NAN);
         Detail { normal, uv: self.map.uv(uv) }
     }
 
@@ -167,7 +167,8 @@ impl Piece {
                 // Edges may be collapsed; the surface knows how to find a limit there.
                 let border = i == 0 || j == 0 || i + 1 == us.len() || j + 1 == vs.len();
                 let inner = if border { None } else { du.cross(dv).try_normalize() };
-                let normal = inner.or_else(|| self.surface.normal(u, v)).unwrap_or(DVec3::NAN);
+                let normal =
+                    inner.or_else(|| self.surface.normal(DVec2::new(u, v))).unwrap_or(DVec3::NAN);
                 details.push(Detail { normal, uv: self.map.uv(DVec2::new(u, v)) });
             }
         }

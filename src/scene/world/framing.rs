@@ -143,7 +143,7 @@ fn chart_samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
     let domain = trims.domain().bounds();
     let thinned = trims.joints().step_by(1 + trims.segment_count() / (across * across).max(16));
     let edges = thinned.filter(|uv| uv.cmpge(domain.min).all() && uv.cmple(domain.max).all());
-    kept.chain(edges.map(|uv| surface.point_at(uv.x, uv.y))).collect()
+    kept.chain(edges.map(|uv| surface.point_at(uv))).collect()
 }
 
 /// The largest ratio of two weights along a line of control points, in each direction.
@@ -284,7 +284,7 @@ mod tests {
         let net = net.map(|[x, y]| [0.0, 0.5, 1.0].map(|z| DVec3::new(x, y, z)));
         let [us, vs] = [3, 2].map(|degree| KnotVector::bezier(degree).unwrap());
         let arch = NurbsSurface::new(us, vs, net.concat(), None).unwrap();
-        let crown = arch.point_at(1.0 / 3.0, 0.5);
+        let crown = arch.point_at(DVec2::new(1.0 / 3.0, 0.5));
         let all = std::iter::repeat_n(&plane, many).cloned().chain([Surface::from(arch)]);
         (all.collect(), crown)
     }

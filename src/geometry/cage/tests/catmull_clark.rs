@@ -1,6 +1,6 @@
 //! Catmull–Clark patches against B-splines, limit masks, and brute-force refinement.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::*;
 use crate::geometry::KnotVector;
@@ -43,7 +43,7 @@ fn patches_pass_where_the_masks_of_a_refined_cage_say() {
                 for (k, [u, v]) in
                     [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].iter().enumerate()
                 {
-                    let at = square.unit_uv(*u, *v);
+                    let at = square.unit_uv(DVec2::new(*u, *v)).to_array();
                     let (point, deviation) = probe.point(square.unit, at).unwrap();
                     let error = point.distance(limits[face][k].point);
                     worst = worst.max(error - deviation);
@@ -102,7 +102,7 @@ fn a_sheet_is_the_uniform_bicubic_spline() {
             for k in 0..25 {
                 let (u, v) = (f64::from(k / 5) / 4.0, f64::from(k % 5) / 4.0);
                 let (ours, _) = probe.point(unit, [u, v]).unwrap();
-                let theirs = spline.point_at(low[0] + i + u, low[1] + j + v);
+                let theirs = spline.point_at(DVec2::new(low[0] + i + u, low[1] + j + v));
                 assert!(ours.distance(theirs) < 1e-14 * scale * 10.0, "{ours} {theirs}");
             }
         }

@@ -1,6 +1,6 @@
 //! Doo–Sabin patches against B-splines and brute-force refinement.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::*;
 use crate::geometry::{KnotVector, LimitError};
@@ -24,7 +24,8 @@ fn a_sheet_is_the_uniform_biquadratic_spline() {
                 let (u, v) = (f64::from(k / 5) / 4.0, f64::from(k % 5) / 4.0);
                 // The spline begins half a face inside, and so do the patches.
                 let Some((ours, _)) = probe.point(unit, [u, v]) else { continue };
-                let theirs = spline.point_at(low[0] + i + u - 0.5, low[1] + j + v - 0.5);
+                let theirs =
+                    spline.point_at(DVec2::new(low[0] + i + u - 0.5, low[1] + j + v - 0.5));
                 assert!(ours.distance(theirs) < 1e-13 * scale, "{unit} {u} {v}: {ours} {theirs}");
             }
         }
@@ -36,7 +37,7 @@ fn a_sheet_is_the_uniform_biquadratic_spline() {
 fn distance(probe: &Probe, point: DVec3) -> f64 {
     let samples = || (0..25).map(|k| [f64::from(k / 5) / 4.0, f64::from(k % 5) / 4.0]);
     let far =
-        |patch: usize, at: [f64; 2]| probe.surface(patch).point_at(at[0], at[1]).distance(point);
+        |patch: usize, at: [f64; 2]| probe.surface(patch).point_at(DVec2::from(at)).distance(point);
     let mut starts: Vec<(f64, usize, [f64; 2])> = (0..probe.limit.patches().len())
         .filter_map(|patch| {
             let all = samples().map(|at| (far(patch, at), patch, at));

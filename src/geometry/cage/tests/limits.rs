@@ -57,7 +57,7 @@ fn normals_are_those_of_the_patches() {
                 if !probe.limit.patches()[patch].exact {
                     continue;
                 }
-                let by_patch = probe.surface(patch).normal(u, v).unwrap();
+                let by_patch = probe.surface(patch).normal(DVec2::new(u, v)).unwrap();
                 let by_mask = limits[unit][k].normal.unwrap();
                 assert!(by_patch.distance(by_mask) < 1e-12, "{name}: {by_patch} {by_mask}");
                 seen += 1;
@@ -121,7 +121,7 @@ fn normals_of_surfaces_for_pictures_are_near_everywhere() {
             for (corner, [u, v]) in corners.iter().zip([[0., 0.], [1., 0.], [1., 1.], [0., 1.]]) {
                 let at = [(low[0] + u) / side, (low[1] + v) / side];
                 let (patch, u, v) = probe.patch(unit, at).unwrap();
-                let normals = corner.normal.zip(probe.surface(patch).normal(u, v));
+                let normals = corner.normal.zip(probe.surface(patch).normal(DVec2::new(u, v)));
                 // At the corner of a single face on a smooth border no two sides span a plane.
                 let is_loose = name == "loose sheet" && at.iter().all(|x| x.fract() == 0.0);
                 if let (Some((expected, found)), false) = (normals, is_loose) {

@@ -7,7 +7,7 @@ mod doo_sabin;
 mod limits;
 mod seams;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::{BoundaryRule, Cage, CageParts, Corner, Crease, FaceRect, LimitSurface};
 use crate::geometry::NurbsSurface;
@@ -169,7 +169,10 @@ impl Probe {
     /// A point, and the bound on its distance from the true one.
     pub(super) fn point(&self, unit: usize, at: [f64; 2]) -> Option<(DVec3, f64)> {
         let (patch, u, v) = self.patch(unit, at)?;
-        Some((self.surfaces[patch].point_at(u, v), self.limit.patches()[patch].deviation))
+        Some((
+            self.surfaces[patch].point_at(DVec2::new(u, v)),
+            self.limit.patches()[patch].deviation,
+        ))
     }
 
     pub(super) fn surface(&self, patch: usize) -> &NurbsSurface {

@@ -26,7 +26,7 @@ fn on_side(surface: &NurbsSurface, side: RectSide, share: f64) -> DVec3 {
     let domain = surface.domain().map(|(from, to)| [from, to]);
     let [from, to] = domain[side.along()];
     let [u, v] = side.fixed().pair(side.value_in(&domain), from + share * (to - from));
-    surface.point_at(u, v)
+    surface.point_at(DVec2::new(u, v))
 }
 
 /// The cell of a point in a grid much finer than patches and much coarser than rounding.
@@ -98,7 +98,7 @@ fn surfaces_are_their_charts() {
                 for (s, t) in [(0.0, 0.0), (0.3, 0.8), (1.0, 0.5), (0.6, 1.0), (1.0, 1.0)] {
                     let at = DVec2::new(u.0 + s * (u.1 - u.0), v.0 + t * (v.1 - v.0));
                     let uv = chart.uv(at);
-                    let (a, b) = (chart.surface.derivatives(at.x, at.y), surface.derivatives(uv));
+                    let (a, b) = (chart.surface.derivatives(at), surface.derivatives(uv));
                     let near = |a: DVec3, b: DVec3, bound: f64| {
                         assert!(a.distance(b) < bound, "{name} {uv}: {a} {b}");
                     };
