@@ -77,7 +77,7 @@
 //! // And its picture: 16 × 12 pixels, four samples each. The callback may end it early.
 //! use std::ops::ControlFlow;
 //! use nurbray::render::{Channel, RenderSettings, render};
-//! let settings = RenderSettings { size: (16, 12), samples: 0..4, ..Default::default() };
+//! let settings = RenderSettings { size: [16, 12], samples: 0..4, ..Default::default() };
 //! let film = render(&world, &settings, &|_| ControlFlow::Continue(()))?;
 //! assert_eq!(film.value(Channel::A, [8, 6]), Some(1.0)); // the ball is in the middle
 //! assert_eq!(film.value(Channel::A, [0, 0]), Some(0.0)); // and not in the corner

@@ -108,9 +108,9 @@ fn pictures_are_what_their_scenes_show() {
         let world = World::new(&load_input(&scene(&stem)).unwrap()).unwrap();
         let whole = image::open(picture(&stem)).unwrap().into_rgb8();
         let settings = settings(&world);
-        assert_eq!(settings.size, whole.dimensions(), "renders/{stem}.png");
+        assert_eq!(settings.size, <[u32; 2]>::from(whole.dimensions()), "renders/{stem}.png");
 
-        let (width, height) = settings.size;
+        let [width, height] = settings.size;
         for share in STRIPS {
             let y0 = (share * f64::from(height)) as u32;
             let crop = Some(PixelRect::new([0, y0], [width, y0 + ROWS]).unwrap());
@@ -132,7 +132,7 @@ fn rendering_again_gives_the_same_file() {
     let folder = tempfile::tempdir().unwrap();
     let files = [1, 2, 3].map(|threads| {
         let settings =
-            RenderSettings { size: (64, 48), samples: 0..2, threads, ..settings(&world) };
+            RenderSettings { size: [64, 48], samples: 0..2, threads, ..settings(&world) };
         let path = folder.path().join(format!("{threads}.png"));
         let film = render(&world, &settings, &|_| ControlFlow::Continue(())).unwrap();
         write_png(&path, &film, 0.0).unwrap();

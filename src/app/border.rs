@@ -29,7 +29,7 @@ pub(crate) struct Border {
 impl Border {
     /// The borders at the sides of the domain.
     pub(crate) fn all(surface: &NurbsSurface) -> [Self; 4] {
-        let domain = surface.domain().map(|(start, end)| [start, end]);
+        let domain = surface.domain();
         RectSide::ALL.map(|side| {
             let (fixed, at) = (side.fixed(), side.value_in(&domain));
             Self { fixed, at, before: false, ends: None }
@@ -39,8 +39,8 @@ impl Border {
     /// The sides of a chart that are borders of its surface.
     pub(crate) fn of(chart: &Chart<'_>) -> impl Iterator<Item = Self> + use<> {
         let named = |side: Self| {
-            let (from, to) = side.knots(&chart.surface).domain();
-            let end = |t: f64| chart.map.uv(side.uv(t).into());
+            let [from, to] = side.knots(&chart.surface).domain();
+            let end = |t: f64| chart.map.uv(side.uv(t));
             let has_own = chart.map != ChartMap::Identity;
             Self { ends: has_own.then(|| [end(from), end(to)]), ..side }
         };
@@ -69,7 +69,7 @@ impl Border {
 
     /// The ranges of the running parameter where trims keep the border.
     pub(crate) fn kept(&self, chart: &Chart<'_>) -> Vec<[f64; 2]> {
-        let (start, end) = self.knots(&chart.surface).domain();
+        let [start, end] = self.knots(&chart.surface).domain();
         let Some(trims) = &chart.trims else { return vec![[start, end]] };
         trims.kept_along(self.fixed, self.value())
     }
@@ -80,14 +80,14 @@ impl Border {
     }
 
     /// The surface parameters where the running one is `t`.
-    pub(crate) fn uv(&self, t: f64) -> (f64, f64) {
+    pub(crate) fn uv(&self, t: f64) -> DVec2 {
         self.fixed.pair(self.value(), t).into()
     }
 
     /// The vector in (u, v) along the border that has the surface on its left: up along the last
     /// u, and so around the domain.
     pub(crate) fn around(&self, surface: &NurbsSurface) -> DVec2 {
-        let is_last = self.before || self.at == surface.knots(self.fixed).domain().1;
+        let is_last = self.before || self.at == surface.knots(self.fixed).domain()[1];
         match (self.fixed, is_last) {
             (Direction::U, true) => DVec2::Y,
             (Direction::U, false) => DVec2::NEG_Y,
@@ -103,14 +103,12 @@ impl Border {
 
     /// The point where the running parameter is `t`.
     pub(crate) fn point(&self, surface: &NurbsSurface, t: f64) -> DVec3 {
-        let (u, v) = self.uv(t);
-        surface.point_at(DVec2::new(u, v))
+        surface.point_at(self.uv(t))
     }
 
     /// The point at `t`, and its derivative.
     pub(crate) fn tangent(&self, surface: &NurbsSurface, t: f64) -> (DVec3, DVec3) {
-        let (u, v) = self.uv(t);
-        let at = surface.derivatives(DVec2::new(u, v));
+        let at = surface.derivatives(self.uv(t));
         (at.point, [at.du, at.dv][self.fixed.other()])
     }
 
@@ -118,7 +116,7 @@ impl Border {
     /// end of the domain.
     pub(crate) fn curve(&self, surface: &NurbsSurface) -> Option<NurbsCurve> {
         let across = surface.knots(self.fixed);
-        let (start, end) = across.domain();
+        let [start, end] = across.domain();
         if self.before || !across.is_clamped() || (self.at != start && self.at != end) {
             return None;
         }
@@ -133,7 +131,7 @@ impl Border {
 
     /// The point that the border is collapsed to, if all its points agree to within rounding.
     pub(crate) fn pole(&self, surface: &NurbsSurface) -> Option<DVec3> {
-        let (start, end) = self.knots(surface).domain();
+        let [start, end] = self.knots(surface).domain();
         let at =
             |k: usize| self.point(surface, start + (end - start) * k as f64 / POLE_SAMPLES as f64);
         let first = at(0);
@@ -191,7 +189,7 @@ mod tests {
             assert!(poles.iter().all(|pole| (pole.length() / radius - 1.0).abs() < 1e-15));
             let seams: Vec<&Border> =
                 borders.iter().filter(|b| b.pole(&sphere).is_none()).collect();
-            let (start, end) = seams[0].knots(&sphere).domain();
+            let [start, end] = seams[0].knots(&sphere).domain();
             let t = 0.3 * start + 0.7 * end;
             let [a, b] = [seams[0], seams[1]].map(|seam| seam.point(&sphere, t));
             assert!(a.distance(b) <= rounding(&sphere));
@@ -202,7 +200,7 @@ mod tests {
     fn tangents_are_derivatives_of_points() {
         let torus = shapes::torus(3.0, 1.0).unwrap();
         for border in Border::all(&torus) {
-            let (start, end) = border.knots(&torus).domain();
+            let [start, end] = border.knots(&torus).domain();
             let (t, h) = (0.37 * start + 0.63 * end, 1e-6 * (end - start));
             let ahead = border.point(&torus, t + h) - border.point(&torus, t - h);
             let (point, tangent) = border.tangent(&torus, t);
@@ -228,7 +226,7 @@ mod tests {
         assert_eq!(names, halves.collect::<Vec<_>>());
         for chart in &charts {
             for border in Border::of(chart) {
-                let (from, to) = border.knots(&chart.surface).domain();
+                let [from, to] = border.knots(&chart.surface).domain();
                 let ends = [from, to].map(|t| border.point(&chart.surface, t));
                 // The patch is the plane of its parameters, turned.
                 let [a, b] = border.ends.unwrap().map(|uv| triangle.point_at(uv));

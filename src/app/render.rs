@@ -82,7 +82,7 @@ fn settings(
 ) -> Result<RenderSettings, Failure> {
     let mut settings = RenderSettings::from(scene);
     if let Some(size) = arguments.size {
-        settings.size = (size.width, size.height);
+        settings.size = [size.width, size.height];
     }
     if let Some(spp) = arguments.spp {
         settings.samples = 0..spp;
@@ -238,7 +238,7 @@ fn command_line(arguments: impl Iterator<Item = OsString>) -> String {
 /// somebody may have wondered about it.
 fn summary(film: &Film, took: [Duration; 2]) -> String {
     let (settings, counters) = (film.settings(), film.counters());
-    let (width, height) = settings.size;
+    let [width, height] = settings.size;
     let [prepared, seconds] = took.map(|took| took.as_secs_f64());
     let after = if prepared < 1.0 {
         String::new()

@@ -164,24 +164,24 @@ impl Surface {
         }
     }
 
-    /// The smallest parameter rectangle that holds the domain: `(start, end)` in u, then in v.
-    pub fn domain(&self) -> [(f64, f64); 2] {
+    /// The smallest parameter rectangle that holds the domain: `[start, end]` in u, then in v.
+    pub fn domain(&self) -> [[f64; 2]; 2] {
         match self {
             Self::Nurbs(surface) => surface.domain(),
             Self::Trimmed(trimmed) => trimmed.surface().domain(),
-            Self::Triangle(_) => [(0.0, 1.0); 2],
-            Self::Limit(surface) => [(0.0, surface.unit_count() as f64), (0.0, 1.0)],
+            Self::Triangle(_) => [[0.0, 1.0]; 2],
+            Self::Limit(surface) => [[0.0, surface.unit_count() as f64], [0.0, 1.0]],
         }
     }
 
     /// The parameter rectangle around `uv` over which a texture is spread: the domain, or for a
     /// limit surface the unit square.
-    pub fn tile(&self, uv: DVec2) -> [(f64, f64); 2] {
+    pub fn tile(&self, uv: DVec2) -> [[f64; 2]; 2] {
         match self {
             Self::Limit(surface) => {
                 let last = surface.unit_count().saturating_sub(1) as f64;
                 let unit = uv.x.floor().clamp(0.0, last);
-                [(unit, unit + 1.0), (0.0, 1.0)]
+                [[unit, unit + 1.0], [0.0, 1.0]]
             }
             _ => self.domain(),
         }
@@ -194,7 +194,7 @@ impl Surface {
         match self {
             Self::Nurbs(_) | Self::Trimmed(_) => {
                 let [u, v] = self.domain();
-                [u.0, u.1].contains(&uv.x) || [v.0, v.1].contains(&uv.y)
+                u.contains(&uv.x) || v.contains(&uv.y)
             }
             Self::Triangle(_) => {
                 let w = 1.0 - uv.x - uv.y;
@@ -277,8 +277,8 @@ fn extent_of(chart: &Chart<'_>) -> Aabb {
     if !min.cmplt(max).all() {
         return Aabb::around([min, max].map(|uv| chart.surface.point_at(uv)));
     }
-    let part = chart.surface.restricted(Direction::U, (min.x, max.x));
-    Aabb::around(part.restricted(Direction::V, (min.y, max.y)).points())
+    let part = chart.surface.restricted(Direction::U, [min.x, max.x]);
+    Aabb::around(part.restricted(Direction::V, [min.y, max.y]).points())
 }
 
 #[cfg(test)]

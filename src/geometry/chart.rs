@@ -59,7 +59,7 @@ impl<'a> Chart<'a> {
         let [u, v] = self.surface.domain();
         let inside = |t: f64, end: f64, open| if open && t >= end { end.next_down() } else { t };
         let [open_u, open_v] = self.open_end;
-        self.map.uv(DVec2::new(inside(at.x, u.1, open_u), inside(at.y, v.1, open_v)))
+        self.map.uv(DVec2::new(inside(at.x, u[1], open_u), inside(at.y, v[1], open_v)))
     }
 
     /// A whole surface as its only chart.

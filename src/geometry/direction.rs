@@ -15,7 +15,7 @@ use glam::DVec2;
 /// use nurbray::geometry::{Direction, shapes};
 ///
 /// let cylinder = shapes::cylinder(1.0, 2.0)?;
-/// let (start, end) = cylinder.domain()[Direction::V];
+/// let [start, end] = cylinder.domain()[Direction::V];
 /// let mut middle = DVec2::ZERO;
 /// middle[Direction::V] = 0.5 * (start + end);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -32,7 +32,7 @@
 //! let (u, v) = (KnotVector::uniform(2, 4)?, KnotVector::bezier(1)?);
 //! let saddle = NurbsSurface::new(u, v, points.collect(), None)?;
 //!
-//! assert_eq!(saddle.domain(), [(2.0, 4.0), (0.0, 1.0)]);
+//! assert_eq!(saddle.domain(), [[2.0, 4.0], [0.0, 1.0]]);
 //! assert_eq!(saddle.point_at(DVec2::new(3.0, 0.5)), DVec3::new(1.5, 0.5, 0.75));
 //! let (below, above) = saddle.split_u(3.0)?;
 //! assert_eq!(below.point_at(DVec2::new(3.0, 0.5)), above.point_at(DVec2::new(3.0, 0.5)));

@@ -104,7 +104,7 @@ pub fn stage_exr(
 ///     camera: &Camera::new(view, Projection::Perspective { fov: 30.0 })?,
 ///     background: [0.0; 3],
 /// };
-/// let film = Film::new(&RenderSettings { size: (2, 2), ..Default::default() })?;
+/// let film = Film::new(&RenderSettings { size: [2, 2], ..Default::default() })?;
 /// let mut bytes = Cursor::new(Vec::new());
 /// write_exr_to(&mut bytes, &film, ExrPrecision::Float, &notes)?;
 /// assert!(bytes.into_inner().starts_with(b"\x76\x2f\x31\x01"));
@@ -147,7 +147,7 @@ fn image<'f>(
     let channels = FilmChannels::new(film, precision);
     let layer = Layer::new(size, layer_attributes(film, notes), encoding, channels);
 
-    let (width, height) = film.settings().size;
+    let [width, height] = film.settings().size;
     let display_window = IntegerBounds::from_dimensions((width as usize, height as usize));
     let mut attributes = ImageAttributes::new(display_window);
     attributes.chromaticities = Some(REC_709);
@@ -171,7 +171,7 @@ fn layer_attributes(film: &Film, notes: &ExrNotes<'_>) -> LayerAttributes {
     attributes.capture_date = Some(text(&date(notes.time)));
     attributes.utc_offset = Some(0.0);
 
-    let (width, height) = settings.size;
+    let [width, height] = settings.size;
     let aspect = f64::from(width) / f64::from(height);
     attributes.world_to_camera = Some(world_to_camera(notes.camera));
     attributes.screen_window_width = sides(notes.camera, aspect)[0].length() as f32;
@@ -296,7 +296,7 @@ mod tests {
 
     fn film(crop: Option<PixelRect>) -> Film {
         let aovs = AovSet::all();
-        let size = (37, 21); // more than one block of 16 lines, and a rest
+        let size = [37, 21]; // more than one block of 16 lines, and a rest
         Film::made_up(&RenderSettings {
             size,
             crop,

@@ -49,7 +49,7 @@ pub fn write_png(
 /// use nurbray::io::write_png_to;
 /// use nurbray::render::{Film, RenderSettings};
 ///
-/// let film = Film::new(&RenderSettings { size: (2, 2), ..Default::default() })?;
+/// let film = Film::new(&RenderSettings { size: [2, 2], ..Default::default() })?;
 /// let mut bytes = Vec::new();
 /// write_png_to(&mut bytes, &film, 0.0)?;
 /// assert!(bytes.starts_with(b"\x89PNG"));
@@ -74,8 +74,8 @@ fn warning(film: &Film) -> Option<PngWarning> {
 }
 
 /// The width and the height of the film's picture.
-fn size(film: &Film) -> (u32, u32) {
-    (film.window().width(), film.window().height())
+fn size(film: &Film) -> [u32; 2] {
+    [film.window().width(), film.window().height()]
 }
 
 /// Writes a PNG as [`write_png`] does, but does not put the file in its place yet.
@@ -86,18 +86,14 @@ pub fn stage_png(path: &Path, film: &Film, exposure: f64) -> Result<StagedFile, 
     stage_png_bytes(path, size(film), &screen_bytes(film, exposure))
 }
 
-/// Writes a picture of `(width, height)` pixels, given as red, green and blue bytes row by
+/// Writes a picture of `[width, height]` pixels, given as red, green and blue bytes row by
 /// row from the top, as a PNG. The same pixels give the same bytes.
 ///
 /// # Errors
 /// When there are not three bytes a pixel, or the file cannot be written; an older one then
 /// stays as it was.
-pub fn write_png_bytes(
-    path: &Path,
-    (width, height): (u32, u32),
-    bytes: &[u8],
-) -> Result<(), WriteError> {
-    stage_png_bytes(path, (width, height), bytes)?.put_in_place()
+pub fn write_png_bytes(path: &Path, size: [u32; 2], bytes: &[u8]) -> Result<(), WriteError> {
+    stage_png_bytes(path, size, bytes)?.put_in_place()
 }
 
 /// Writes a PNG as [`write_png_bytes`] does, but does not put the file in its place yet.
@@ -106,10 +102,10 @@ pub fn write_png_bytes(
 /// When there are not three bytes a pixel, or the file cannot be written.
 pub fn stage_png_bytes(
     path: &Path,
-    (width, height): (u32, u32),
+    size: [u32; 2],
     bytes: &[u8],
 ) -> Result<StagedFile, WriteError> {
-    stage(path, |file| write_png_bytes_to(file, (width, height), bytes))
+    stage(path, |file| write_png_bytes_to(file, size, bytes))
 }
 
 /// Writes the PNG that [`write_png_bytes`] writes, byte for byte, to memory, a socket or the like.
@@ -119,7 +115,7 @@ pub fn stage_png_bytes(
 /// written.
 pub fn write_png_bytes_to(
     mut writer: impl Write,
-    (width, height): (u32, u32),
+    [width, height]: [u32; 2],
     bytes: &[u8],
 ) -> io::Result<()> {
     let needed = 3 * u128::from(width) * u128::from(height);
@@ -185,7 +181,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let crop = PixelRect::new([2, 1], [7, 5]).unwrap();
         let settings = RenderSettings {
-            size: (9, 6),
+            size: [9, 6],
             crop: Some(crop),
             aovs: "Z,id".parse().unwrap(),
             ..RenderSettings::default()
@@ -212,7 +208,7 @@ mod tests {
     #[test]
     fn a_film_without_data_gives_no_warning() {
         let folder = tempfile::tempdir().unwrap();
-        let settings = RenderSettings { size: (2, 2), ..RenderSettings::default() };
+        let settings = RenderSettings { size: [2, 2], ..RenderSettings::default() };
         let film = Film::new(&settings).unwrap();
         assert_eq!(write_png(&folder.path().join("a.png"), &film, 0.0).unwrap(), None);
         assert!(write_png(folder.path(), &film, 0.0).is_err());
@@ -222,20 +218,20 @@ mod tests {
     fn bytes_are_written_as_they_are() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
-        write_png_bytes(&path, (2, 1), &[1, 2, 3, 250, 0, 7]).unwrap();
+        write_png_bytes(&path, [2, 1], &[1, 2, 3, 250, 0, 7]).unwrap();
         let picture = image::open(&path).unwrap().into_rgb8();
         assert_eq!(
             (picture.dimensions(), picture.as_raw().as_slice()),
             ((2, 1), &[1, 2, 3, 250, 0, 7][..])
         );
-        let error = write_png_bytes(&path, (2, 2), &[0; 6]).unwrap_err().to_string();
+        let error = write_png_bytes(&path, [2, 2], &[0; 6]).unwrap_err().to_string();
         assert!(error.ends_with("6 bytes, but 2x2 pixels need 12"), "{error}");
         assert_eq!(image::open(&path).unwrap().width(), 2);
     }
 
     #[test]
     fn writers_that_fail_are_errors() {
-        let film = Film::new(&RenderSettings { size: (2, 2), ..Default::default() }).unwrap();
+        let film = Film::new(&RenderSettings { size: [2, 2], ..Default::default() }).unwrap();
         let mut room = [0_u8; 20]; // the signature and a part of the header
         assert!(write_png_to(&mut room[..], &film, 0.0).is_err());
     }

@@ -89,14 +89,14 @@ impl fmt::Display for PovraySkip {
     }
 }
 
-/// Writes a scene for a picture of `(width, height)` pixels. POV-Ray cuts patches into triangles
+/// Writes a scene for a picture of `[width, height]` pixels. POV-Ray cuts patches into triangles
 /// that are flat to within `flatness`, in scene units.
 ///
 /// `scene` must be the one `world` was made of: it knows which surfaces are named shapes.
 pub fn povray_scene(
     scene: &Scene,
     world: &World,
-    (width, height): (u32, u32),
+    [width, height]: [u32; 2],
     flatness: f64,
 ) -> PovrayScene {
     let aspect = f64::from(width) / f64::from(height);

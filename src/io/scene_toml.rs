@@ -330,7 +330,7 @@ impl Reader<'_, '_> {
     fn settings(&self, Keyed(keys): Keyed<RenderKeys>) -> Result<RenderDefaults, LoadError> {
         let mut settings = RenderDefaults::default();
         if let Some(size) = keys.size {
-            settings.size = size.get_ref().0.map(|side| side.0).into();
+            settings.size = size.get_ref().0.map(|side| side.0);
             self.check(&settings, size.span().start)?;
         }
         if let Some(spp) = keys.spp {

@@ -73,7 +73,7 @@ fn named(threads: usize) -> String {
 /// let scene = Scene { objects, ..Default::default() };
 /// let world = World::new(&scene)?;
 ///
-/// let settings = RenderSettings { size: (32, 24), samples: 0..4, ..Default::default() };
+/// let settings = RenderSettings { size: [32, 24], samples: 0..4, ..Default::default() };
 /// let film = render(&world, &settings, &|_| ControlFlow::Continue(()))?;
 /// assert_eq!(film.value(Channel::A, [16, 12]), Some(1.0)); // the camera frames the sphere
 /// assert_eq!(film.value(Channel::A, [0, 0]), Some(0.0));
@@ -100,7 +100,7 @@ pub fn render(
     let state = Mutex::new((film, 0));
     let next = AtomicUsize::new(0);
     let stop = Stop(AtomicBool::new(false));
-    let neighbours = world.neighbours(settings.size.into());
+    let neighbours = world.neighbours(settings.size);
     pool.broadcast(|_| {
         let _panics_stop_all = StopOnPanic(&stop);
         let mut painter = Painter::new(world, settings, neighbours);

@@ -14,7 +14,7 @@ use crate::scene::{Camera, IntegratorKind, Projection, View, World};
 
 fn settings() -> RenderSettings {
     RenderSettings {
-        size: (50, 37),
+        size: [50, 37],
         samples: 0..6,
         aovs: AovSet::all(),
         threads: 1,
@@ -33,7 +33,7 @@ fn picture_of(world: &World, settings: &RenderSettings) -> Film {
 /// One whose pictures are traced in packets, and one whose leaves are too small for them.
 fn both_worlds() -> [World; 2] {
     let worlds = [sphere_over_floor(), sphere_over_tiles()];
-    let told = |k: usize| worlds[k].neighbours(settings().size.into()).first_hits;
+    let told = |k: usize| worlds[k].neighbours(settings().size).first_hits;
     assert_eq!([told(0), told(1)], [Coherence::Coherent, Coherence::Incoherent]);
     worlds
 }
@@ -211,7 +211,7 @@ fn rays_and_hits_are_counted() {
 #[test]
 fn refused_settings_are_errors() {
     let world = sphere_over_floor();
-    let empty = RenderSettings { size: (0, 4), ..settings() };
+    let empty = RenderSettings { size: [0, 4], ..settings() };
     let error = render(&world, &empty, &|_| ControlFlow::Continue(())).unwrap_err().to_string();
     assert_eq!(error, "size 0x4: a picture needs at least one pixel each way");
 }

@@ -200,7 +200,7 @@ impl Film {
         let size = self.settings.size;
         // At distance 0 the pixels of a perspective camera have no width, and those of an
         // orthographic one have all of it: in between the width grows evenly.
-        let [start, one] = [0.0, 1.0].map(|depth| camera.pixel_width([size.0, size.1], depth));
+        let [start, one] = [0.0, 1.0].map(|depth| camera.pixel_width(size, depth));
         let coarse = |index: &usize| {
             self.pixels.first_hit(*index).is_some_and(|hit| {
                 let largest = hit.point.iter().fold(0.0, |m: f32, x| m.max(x.abs()));
@@ -274,7 +274,7 @@ impl Film {
     /// ```
     /// use nurbray::render::{Film, PixelRect, RenderSettings};
     ///
-    /// let settings = RenderSettings { size: (8, 6), ..Default::default() };
+    /// let settings = RenderSettings { size: [8, 6], ..Default::default() };
     /// let mut whole = Film::new(&settings)?;
     /// for (min, max) in [([0, 0], [8, 3]), ([0, 3], [8, 6])] {
     ///     let crop = Some(PixelRect::new(min, max)?);
@@ -341,7 +341,7 @@ impl Film {
             for sample in settings.samples.clone() {
                 let x = |index| min[0] as usize + index % width;
                 let y = |index| min[1] as usize + index / width;
-                pixels.push(|i| tests::seen(sample, y(i) * settings.size.0 as usize + x(i)));
+                pixels.push(|i| tests::seen(sample, y(i) * settings.size[0] as usize + x(i)));
             }
             let counters =
                 Counters { rays: u64::from(settings.samples.end), ..Counters::default() };
@@ -360,7 +360,7 @@ mod tests {
     use glam::DVec3;
 
     fn settings(samples: Range<u32>) -> RenderSettings {
-        RenderSettings { size: (3, 2), samples, aovs: AovSet::all(), ..RenderSettings::default() }
+        RenderSettings { size: [3, 2], samples, aovs: AovSet::all(), ..RenderSettings::default() }
     }
 
     /// A made-up sample: pixel 0 is never hit, pixel 1 by odd samples only, others always.
@@ -458,7 +458,7 @@ mod tests {
         assert_eq!(film.plane(Channel::Id), Some(vec![-1.0; 6]));
 
         let crop = PixelRect::new([5, 3], [20, 19]).unwrap();
-        let settings = RenderSettings { size: (37, 21), crop: Some(crop), ..settings };
+        let settings = RenderSettings { size: [37, 21], crop: Some(crop), ..settings };
         let film = Film::made_up(&RenderSettings { aovs: AovSet::all(), ..settings });
         for channel in film.channels() {
             let rows = (3..19).flat_map(|y| film.row(channel, y).unwrap());
@@ -521,7 +521,7 @@ mod tests {
             "films of different samples cannot be pasted into each other"
         );
         assert_eq!(
-            message(RenderSettings { size: (4, 2), ..inside }),
+            message(RenderSettings { size: [4, 2], ..inside }),
             "films of different sizes cannot be pasted into each other"
         );
         assert_eq!((&left, left.counters()), (&before, before.counters()));
@@ -542,7 +542,7 @@ mod tests {
             RenderSettings { samples: 0..7, ..settings(0..8) },
             RenderSettings { samples: 8..16, ..settings(0..8) },
             RenderSettings { aovs: AovSet::NONE, ..settings(0..8) },
-            RenderSettings { size: (2, 3), ..settings(0..8) },
+            RenderSettings { size: [2, 3], ..settings(0..8) },
             RenderSettings { crop, ..settings(0..8) },
         ] {
             assert_ne!(Film::made_up(&other), whole);

@@ -11,7 +11,7 @@ use crate::geometry::shapes;
 use crate::math::Ray;
 use crate::scene::{IntegratorKind, Light, Rgb, World};
 
-const SIZE: (u32, u32) = (33, 25);
+const SIZE: [u32; 2] = [33, 25];
 
 fn settings(integrator: IntegratorKind) -> RenderSettings {
     RenderSettings {
@@ -31,13 +31,13 @@ fn picture(world: &World, integrator: IntegratorKind) -> Film {
 /// The camera ray of the only sample of a pixel.
 fn ray(world: &World, pixel: [u32; 2]) -> Ray {
     let [x, y] = Sampler::new(0).sample(pixel, 0, Dimensions::Film);
-    let (width, height) = (f64::from(SIZE.0), f64::from(SIZE.1));
+    let (width, height) = (f64::from(SIZE[0]), f64::from(SIZE[1]));
     let film = DVec2::new(f64::from(pixel[0]) + x, f64::from(pixel[1]) + y);
     world.camera.ray(film / DVec2::new(width, height), width / height)
 }
 
 fn pixels() -> impl Iterator<Item = [u32; 2]> {
-    (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| [x, y]))
+    (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]))
 }
 
 /// The distance to a sphere around the origin, by the quadratic formula.
@@ -201,7 +201,7 @@ fn false_colors_show_the_data() {
         // All domains here are the unit square.
         assert_close(color(&uv, pixel), [value(Channel::U), value(Channel::V), 0.0], pixel);
         depths.push((value(Channel::Z), color(&depth, pixel)[0]));
-        let same = color(&ids, pixel) == color(&ids, [SIZE.0 / 2, SIZE.1 / 2]);
+        let same = color(&ids, pixel) == color(&ids, [SIZE[0] / 2, SIZE[1] / 2]);
         assert_eq!(same, value(Channel::Id) == 0.0);
     }
     // Farther is darker, and never black.
@@ -216,7 +216,7 @@ fn iterations_cost_more_at_silhouettes() {
     let world = world(vec![sphere(1.0)], Vec::new(), 1.0);
     let film = picture(&world, IntegratorKind::Iterations);
     let heat = |pixel| color(&film, pixel).iter().sum::<f64>();
-    assert!(heat([SIZE.0 / 2, SIZE.1 / 2]) > 0.0);
+    assert!(heat([SIZE[0] / 2, SIZE[1] / 2]) > 0.0);
     assert_eq!(heat([0, 0]), 0.0);
     assert_eq!(film.counters().hits, picture(&world, IntegratorKind::Id).counters().hits);
 }

@@ -81,7 +81,7 @@ impl<'a> Painter<'a> {
 
     /// Makes the camera rays of some samples of every pixel, a pixel's samples together.
     fn aim(&mut self, samples: Range<u32>) {
-        let size = DVec2::new(f64::from(self.settings.size.0), f64::from(self.settings.size.1));
+        let size = DVec2::new(f64::from(self.settings.size[0]), f64::from(self.settings.size[1]));
         let (per_size, aspect) = (size.recip(), size.x / size.y);
         self.batch.rays.clear();
         for &pixel in &self.order {

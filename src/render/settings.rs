@@ -21,16 +21,16 @@ pub const MAX_THREADS: usize = 1024;
 /// ```
 /// use nurbray::render::{AovSet, RenderSettings};
 ///
-/// let settings = RenderSettings { size: (320, 240), samples: 0..4, ..Default::default() };
+/// let settings = RenderSettings { size: [320, 240], samples: 0..4, ..Default::default() };
 /// assert!(settings.check().is_ok());
-/// let settings = RenderSettings { size: (0, 240), ..settings };
+/// let settings = RenderSettings { size: [0, 240], ..settings };
 /// let error = settings.check().unwrap_err();
 /// assert_eq!(error.to_string(), "size 0x240: a picture needs at least one pixel each way");
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
     /// Width and height of the whole picture, in pixels.
-    pub size: (u32, u32),
+    pub size: [u32; 2],
     /// Which samples of each pixel to take: `0..n` for `n` samples a pixel. Films of
     /// neighbouring ranges can be joined by [`Film::merge`](super::Film::merge).
     pub samples: Range<u32>,
@@ -149,7 +149,7 @@ impl RenderSettings {
     /// # Errors
     /// When the size is empty or too large, or the crop reaches beyond it.
     pub fn window(&self) -> Result<PixelRect, SettingsError> {
-        let (width, height) = self.size;
+        let [width, height] = self.size;
         RenderDefaults::check_size(self.size)?;
         let picture = PixelRect::new([0, 0], [width, height])
             .map_err(|_| PictureError::NoPixels { width, height })?;
@@ -178,15 +178,15 @@ mod tests {
         assert_eq!(base.check(), Ok(()));
         let sized = |size| RenderSettings { size, ..base.clone() };
         assert_eq!(
-            message(sized((64, 0))),
+            message(sized([64, 0])),
             "size 64x0: a picture needs at least one pixel each way"
         );
         assert_eq!(
-            message(sized((u32::MAX, 2))),
+            message(sized([u32::MAX, 2])),
             "size 4294967295x2: a side of a picture has at most 65536 pixels"
         );
         assert_eq!(
-            message(sized((65_536, 65_536))),
+            message(sized([65_536, 65_536])),
             "4294967296 pixels at once: at most 268435456 can be; \
              a larger picture can be rendered in crops"
         );
@@ -216,13 +216,13 @@ mod tests {
     fn crops_lie_inside_the_picture() {
         let crop = PixelRect::new([60, 0], [65, 10]).unwrap();
         let settings =
-            RenderSettings { size: (64, 48), crop: Some(crop), ..RenderSettings::default() };
+            RenderSettings { size: [64, 48], crop: Some(crop), ..RenderSettings::default() };
         assert_eq!(
             message(settings.clone()),
             "crop 60,0,65,10 reaches beyond the picture of size 64x48"
         );
         // A crop of a picture too large to be rendered at once is fine.
-        let settings = RenderSettings { size: (65_536, 65_536), ..settings };
+        let settings = RenderSettings { size: [65_536, 65_536], ..settings };
         assert_eq!(settings.window(), Ok(crop));
     }
 }

@@ -26,7 +26,7 @@
 //! let scene = Scene { objects: vec![object], ..Scene::default() };
 //!
 //! let world = World::new(&scene)?;
-//! let settings = RenderSettings { size: (32, 24), samples: 0..4, ..Default::default() };
+//! let settings = RenderSettings { size: [32, 24], samples: 0..4, ..Default::default() };
 //! let film = render(&world, &settings, &|_| ControlFlow::Continue(()))?;
 //! assert_eq!(film.value(Channel::A, [16, 12]), Some(1.0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())

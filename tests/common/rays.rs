@@ -263,7 +263,7 @@ impl<'a> Rays<'a> {
     }
 
     fn anywhere_on(&self, chart: usize, random: &mut Random) -> Place {
-        let [(u0, u1), (v0, v1)] = self.charts[chart].1.surface.domain();
+        let [[u0, u1], [v0, v1]] = self.charts[chart].1.surface.domain();
         Place { chart, u: random.between(u0, u1), v: random.between(v0, v1) }
     }
 
@@ -285,10 +285,10 @@ impl<'a> Rays<'a> {
         let site = self.anywhere(random);
         let [u, v] = self.charts[site.chart].1.surface.domain();
         match random.below(4) {
-            0 => Place { u: u.0, ..site },
-            1 => Place { u: u.1, ..site },
-            2 => Place { v: v.0, ..site },
-            _ => Place { v: v.1, ..site },
+            0 => Place { u: u[0], ..site },
+            1 => Place { u: u[1], ..site },
+            2 => Place { v: v[0], ..site },
+            _ => Place { v: v[1], ..site },
         }
     }
 

@@ -22,7 +22,7 @@ pub(crate) struct Nearest {
 /// (Levenberg 1944, Marquardt 1963) and kept in the closed domain. Evaluates the surface as
 /// authored and shares nothing with the tracer.
 pub(crate) fn nearest(surface: &NurbsSurface, ray: &Ray, start: DVec2) -> Nearest {
-    let [(u0, u1), (v0, v1)] = surface.domain();
+    let [[u0, u1], [v0, v1]] = surface.domain();
     let (low, high) = (DVec2::new(u0, v0), DVec2::new(u1, v1));
     let mut best = at(surface, ray, start.clamp(low, high));
     let mut damping = 0.0;
@@ -97,7 +97,7 @@ mod tests {
         let ray = |y: f64| Ray::new(DVec3::new(-5.0, y, 0.3), 2.0 * DVec3::X).unwrap();
         let start = |x: f64, y: f64, z: f64| {
             // The parameters of the nearest of many points.
-            let [(u0, u1), (v0, v1)] = sphere.domain();
+            let [[u0, u1], [v0, v1]] = sphere.domain();
             let grid = (0..60).flat_map(|i| (0..60).map(move |j| (i, j))).map(|(i, j)| {
                 let share = DVec2::new(f64::from(i), f64::from(j)) / 59.0;
                 DVec2::new(u0, v0) + share * DVec2::new(u1 - u0, v1 - v0)

@@ -32,7 +32,7 @@ pub(crate) fn rays(
     for k in 0..600 * surfaces.len() {
         // The charts in turn, and neighbours not one after the other.
         let surface = &charts[k * 7919 % charts.len()].surface;
-        let [(u0, u1), (v0, v1)] = surface.domain();
+        let [[u0, u1], [v0, v1]] = surface.domain();
         let grid = |random: &mut Random| (random.unit() * 9.0).floor() / 8.0;
         let (a, b) = (grid(random), if random.unit() < 0.5 { grid(random) } else { random.unit() });
         let target = surface.point_at(DVec2::new(u0 + a * (u1 - u0), v0 + b * (v1 - v0)));
@@ -42,7 +42,7 @@ pub(crate) fn rays(
     for k in 0..150 {
         // From as far away as rays may start and still see small things in large scenes in f32.
         let surface = &charts[k * 7919 % charts.len()].surface;
-        let [(u0, u1), (v0, v1)] = surface.domain();
+        let [[u0, u1], [v0, v1]] = surface.domain();
         let (a, b) = (random.unit(), random.unit());
         let target = surface.point_at(DVec2::new(u0 + a * (u1 - u0), v0 + b * (v1 - v0)));
         let origin = target + random.unit() * 800.0 * radius * random.direction();

@@ -111,7 +111,7 @@ fn pieces(surface: &NurbsSurface, ray: &Ray, axes: [DVec3; 3]) -> Vec<Part> {
 
 /// Newton's iteration on the surface as authored.
 fn polished(surface: &NurbsSurface, ray: &Ray, axes: [DVec3; 3], start: DVec2) -> Option<Root> {
-    let [(u0, u1), (v0, v1)] = surface.domain();
+    let [[u0, u1], [v0, v1]] = surface.domain();
     let (low, high) = (DVec2::new(u0, v0), DVec2::new(u1, v1));
     let mut uv = start.clamp(low, high);
     for _ in 0..12 {

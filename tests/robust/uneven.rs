@@ -121,7 +121,7 @@ fn dense_sheets_of_long_and_short_spans() {
             clamped(degree, &lengths)
         });
         let name = format!("{degrees:?}, spans of {short:e}, weights to 1e±{reach}");
-        let ends = knots.each_ref().map(|knots| knots.domain().1);
+        let ends = knots.each_ref().map(|knots| knots.domain()[1]);
         let inner = knots.each_ref().map(|knots| knots.values().to_vec());
         let mut weights = Random::new(93);
         let model = sheet(name, knots, &mut |_| weights.power_of_ten(-reach, reach));
@@ -151,7 +151,7 @@ fn heavy_points_of_small_shares_in_dense_sheets() {
         let lengths: Vec<f64> = (0..48).map(|k| if k % 3 == 0 { 1.0 } else { short }).collect();
         let knots = degrees.map(|degree| clamped(degree, &lengths));
         let values = knots[0].values().to_vec();
-        let end = knots[1].domain().1;
+        let end = knots[1].domain()[1];
         let name = format!("{degrees:?}, spans of {short:e}, rows of {heavy:e}");
         let model = sheet(name, knots, &mut |[i, _]| if i % 11 == 5 { heavy } else { 1.0 });
         let places: Vec<[f64; 2]> = (0..600)

@@ -172,7 +172,7 @@ fn faces_of_one_plane_do_not_see_each_other() {
 /// through the middle, one around a pole.
 fn sphere_loops(sphere: &NurbsSurface) -> Vec<TrimLoop> {
     let [u, v] = sphere.domain();
-    let at = |a: f64, b: f64| (u.0 + a * (u.1 - u.0), v.0 + b * (v.1 - v.0));
+    let at = |a: f64, b: f64| (u[0] + a * (u[1] - u[0]), v[0] + b * (v[1] - v[0]));
     let closes_in_u = sphere.closes(nurbray::geometry::Direction::U);
     assert_ne!(closes_in_u, sphere.closes(nurbray::geometry::Direction::V));
     let turned = |along: f64, across: f64| match closes_in_u {
@@ -215,7 +215,7 @@ fn complementary_trims_make_a_closed_body() {
             let share = if random.below(3) == 0 { 0.0 } else { random.unit() };
             let mut uv = outline[k].lerp(outline[k + 1], share);
             // Loops across the seam run beyond the domain.
-            let wrap = |x: f64, (from, to): (f64, f64)| from + (x - from).rem_euclid(to - from);
+            let wrap = |x: f64, [from, to]: [f64; 2]| from + (x - from).rem_euclid(to - from);
             uv = DVec2::new(wrap(uv.x, u), wrap(uv.y, v));
             let point = sphere.point_at(uv);
             let direction = random.direction();
@@ -295,7 +295,7 @@ fn a_can_with_cut_out_lids_is_closed() {
 #[test]
 fn a_hole_across_the_seam_is_as_one_away_from_it() {
     let cylinder = || shapes::cylinder(1.0, 1.0).unwrap();
-    let [(u0, u1), (v0, v1)] = cylinder().domain();
+    let [[u0, u1], [v0, v1]] = cylinder().domain();
     let at = |a: f64, b: f64| (u0 + a * (u1 - u0), v0 + b * (v1 - v0));
     let hole =
         |a: f64| polygon(&[at(a - 0.1, 0.3), at(a + 0.1, 0.2), at(a + 0.07, 0.8), at(a, 0.6)]);
@@ -354,11 +354,11 @@ fn a_hole_across_the_seam_is_as_one_away_from_it() {
 fn what_is_cut_off_takes_no_leaves() {
     let sphere = shapes::sphere(1.0).unwrap();
     let [u, v] = sphere.domain();
-    let corner = (u.0 + 0.25 * (u.1 - u.0), v.0 + 0.25 * (v.1 - v.0));
+    let corner = (u[0] + 0.25 * (u[1] - u[0]), v[0] + 0.25 * (v[1] - v[0]));
     let part = trimmed(
         sphere.clone(),
         Kept::Odd,
-        &[polygon(&[(u.0, v.0), (corner.0, v.0), corner, (u.0, corner.1)])],
+        &[polygon(&[(u[0], v[0]), (corner.0, v[0]), corner, (u[0], corner.1)])],
     );
     let (low, high) = build(&[part.clone().into()]).bounds().unwrap();
     let (whole_low, whole_high) = build(&[sphere.clone().into()]).bounds().unwrap();
@@ -418,7 +418,7 @@ fn trims_are_mirrored_with_their_surface() {
         Kept::Odd,
         &[polygon(&[(-0.1, 0.1), (0.3, 0.2), (0.2, 0.9)]), circle(0.6, 0.5, 0.1)],
     );
-    let [(u0, u1), _] = part.surface().domain();
+    let [[u0, u1], _] = part.surface().domain();
     let mirrored = part.reversed_u();
     let mut random = Random::new(12);
     for _ in 0..5000 {

@@ -29,7 +29,7 @@ impl Outline {
     pub(crate) fn of(surface: &Surface) -> Self {
         let Some(trimmed) = surface.trimmed() else { return Self::Whole };
         let (trims, domain) = (trimmed.trims(), surface.domain());
-        let shorter = domain.iter().map(|(from, to)| to - from).fold(f64::INFINITY, f64::min);
+        let shorter = domain.iter().map(|[from, to]| to - from).fold(f64::INFINITY, f64::min);
         let tolerance = TOLERANCE * shorter;
         match trims.outlines(tolerance) {
             Ok(lines) => Self::Within(Outlines { lines, kept: trims.kept(), tolerance, domain }),
@@ -51,7 +51,7 @@ pub(crate) struct Outlines {
     kept: Kept,
     /// How far a curve may be from its polyline.
     tolerance: f64,
-    domain: [(f64, f64); 2],
+    domain: [[f64; 2]; 2],
 }
 
 impl Outlines {
@@ -125,7 +125,7 @@ impl Outlines {
     /// The lower and the upper ends of the domain.
     fn domain_corners(&self) -> [DVec2; 2] {
         let [u, v] = self.domain;
-        [DVec2::new(u.0, v.0), DVec2::new(u.1, v.1)]
+        [DVec2::new(u[0], v[0]), DVec2::new(u[1], v[1])]
     }
 
     fn sides(&self) -> impl Iterator<Item = [DVec2; 2]> {

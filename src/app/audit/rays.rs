@@ -336,7 +336,7 @@ mod tests {
         // its points and the centre.
         let [a, b] = [0.2, 0.4].map(|share| {
             let [u, v] = surfaces[0].domain();
-            surfaces[0].point_at(glam::DVec2::new(u.0 + share * (u.1 - u.0), v.0))
+            surfaces[0].point_at(glam::DVec2::new(u[0] + share * (u[1] - u[0]), v[0]))
         });
         let normal = a.cross(b).normalize();
         let in_plane =

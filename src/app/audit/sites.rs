@@ -27,7 +27,7 @@ pub(crate) struct Sites<'a> {
     /// The charts of all surfaces, with the surface each belongs to.
     charts: Vec<(usize, Chart<'a>)>,
     /// For each chart and direction the non-empty spans between knots.
-    spans: Vec<[Vec<(f64, f64)>; 2]>,
+    spans: Vec<[Vec<[f64; 2]>; 2]>,
     /// The borders of surfaces, and those that are collapsed, with their charts.
     borders: Vec<(usize, Border)>,
     poles: Vec<(usize, Border)>,
@@ -52,7 +52,7 @@ impl<'a> Sites<'a> {
             .iter()
             .map(|(_, chart)| {
                 [chart.surface.knots_u(), chart.surface.knots_v()]
-                    .map(|knots| knots.spans().map(|span| (span.start, span.end)).collect())
+                    .map(|knots| knots.spans().map(|span| [span.start, span.end]).collect())
             })
             .collect();
         let (low, high) = bounds(charts.iter().map(|(_, chart)| chart));
@@ -111,7 +111,7 @@ impl<'a> Sites<'a> {
         let chart = self.chart(random);
         let u = self.within_span(random, chart, Direction::U);
         let v = self.within_span(random, chart, Direction::V);
-        self.site(chart, u, v)
+        self.site(chart, DVec2::new(u, v))
     }
 
     /// A random border, and the chart it belongs to; `None` where no surface ends.
@@ -137,9 +137,8 @@ impl<'a> Sites<'a> {
     /// A point of a border.
     pub(crate) fn on_border(&self, random: &mut Random, (chart, border): (usize, Border)) -> Site {
         let spans = border.knots(&self.charts[chart].1.surface).spans();
-        let spans: Vec<_> = spans.map(|span| (span.start, span.end)).collect();
-        let (u, v) = border.uv(within(random, &spans));
-        self.site(chart, u, v)
+        let spans: Vec<_> = spans.map(|span| [span.start, span.end]).collect();
+        self.site(chart, border.uv(within(random, &spans)))
     }
 
     /// A point of a line along which pieces meet or are halved.
@@ -148,11 +147,11 @@ impl<'a> Sites<'a> {
         if random.coin() {
             let u = self.on_division(random, chart, Direction::U);
             let v = self.within_span(random, chart, Direction::V);
-            self.site(chart, u, v)
+            self.site(chart, DVec2::new(u, v))
         } else {
             let v = self.on_division(random, chart, Direction::V);
             let u = self.within_span(random, chart, Direction::U);
-            self.site(chart, u, v)
+            self.site(chart, DVec2::new(u, v))
         }
     }
 
@@ -161,7 +160,7 @@ impl<'a> Sites<'a> {
         let chart = self.chart(random);
         let u = self.on_division(random, chart, Direction::U);
         let v = self.on_division(random, chart, Direction::V);
-        self.site(chart, u, v)
+        self.site(chart, DVec2::new(u, v))
     }
 
     /// A point of a collapsed border; `None` if there is none.
@@ -178,21 +177,21 @@ impl<'a> Sites<'a> {
         let along = Direction::BOTH[random.below(2)];
         let t = uv[along];
         let spans = &self.spans[chart][along];
-        let span = spans.iter().find(|span| span.0 <= t && t < span.1).unwrap_or(&spans[0]);
-        let other = random.between(span.0, span.1);
+        let span = spans.iter().find(|span| span[0] <= t && t < span[1]).unwrap_or(&spans[0]);
+        let other = random.between(span[0], span[1]);
         let mut beside = uv;
         beside[along] = other;
-        [uv, beside].map(|[u, v]| self.site(chart, u, v))
+        [uv, beside].map(|uv| self.site(chart, uv.into()))
     }
 
     fn chart(&self, random: &mut Random) -> usize {
         random.below(self.charts.len())
     }
 
-    /// Returns the site at `(u, v)` of a chart.
-    fn site(&self, chart: usize, u: f64, v: f64) -> Site {
+    /// Returns the site at a place of a chart.
+    fn site(&self, chart: usize, uv: DVec2) -> Site {
         let (surface, chart) = &self.charts[chart];
-        Site { surface: *surface, uv: chart.uv(DVec2::new(u, v)) }
+        Site { surface: *surface, uv: chart.uv(uv) }
     }
 
     fn within_span(&self, random: &mut Random, chart: usize, direction: Direction) -> f64 {
@@ -202,7 +201,7 @@ impl<'a> Sites<'a> {
     /// A knot, or a division point of a span that is halved up to `HALVINGS` times.
     fn on_division(&self, random: &mut Random, chart: usize, direction: Direction) -> f64 {
         let spans = &self.spans[chart][direction];
-        let (start, end) = spans[random.below(spans.len())];
+        let [start, end] = spans[random.below(spans.len())];
         let parts = f64::powi(2.0, random.below(HALVINGS + 1) as i32);
         match random.below(parts as usize + 1) as f64 / parts {
             1.0 => end, // exactly, where start + (end − start) would round
@@ -223,8 +222,8 @@ fn trim_edges(surfaces: &[Surface]) -> Vec<Site> {
 }
 
 /// A random parameter in one of these spans, all of which are equally likely.
-fn within(random: &mut Random, spans: &[(f64, f64)]) -> f64 {
-    let (start, end) = spans[random.below(spans.len())];
+fn within(random: &mut Random, spans: &[[f64; 2]]) -> f64 {
+    let [start, end] = spans[random.below(spans.len())];
     random.between(start, end)
 }
 

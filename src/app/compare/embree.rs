@@ -147,9 +147,9 @@ fn files(tolerances: &[f64]) -> Vec<String> {
 }
 
 /// Renders the camera's view with the scene's settings, but fewer samples.
-fn picture(world: &World, [width, height]: [u32; 2]) -> Result<Film, Failure> {
+fn picture(world: &World, size: [u32; 2]) -> Result<Film, Failure> {
     let settings = RenderSettings {
-        size: (width, height),
+        size,
         samples: 0..PICTURE_SAMPLES,
         ..RenderSettings::from(world.settings())
     };

@@ -67,7 +67,7 @@ impl Scale {
 /// # Errors
 /// When the file cannot be written.
 pub(super) fn write(path: &Path, size: [u32; 2], pixels: &[Color]) -> Result<(), WriteError> {
-    write_png_bytes(path, size.into(), pixels.as_flattened())
+    write_png_bytes(path, size, pixels.as_flattened())
 }
 
 /// What the colours of some scales mean, as a drawing.

@@ -108,7 +108,7 @@ fn scenes(model: &Model, size: [u32; 2], tolerances: &[f64]) -> Result<Vec<Povra
     let mut scenes = Vec::new();
     for &tolerance in tolerances {
         let flatness = tolerance * model.diagonal;
-        let written = povray_scene(&model.scene, &model.world, size.into(), flatness);
+        let written = povray_scene(&model.scene, &model.world, size, flatness);
         check(&written, tolerance, &model.name)?;
         scenes.push(written);
     }

@@ -39,7 +39,7 @@ pub(crate) struct Sample {
 #[derive(Debug)]
 pub(crate) struct BorderCurve<'a> {
     source: Source<'a>,
-    domain: (f64, f64),
+    domain: [f64; 2],
     /// From end to end.
     samples: Vec<Sample>,
     /// The intervals between them, in boxes that hold the curve.
@@ -80,28 +80,28 @@ impl<'a> BorderCurve<'a> {
     /// Samples a trim edge, corner by corner. Leaves out parts that are points, to within
     /// `rounding`, as along a pole.
     pub(crate) fn of_edge(trimmed: &'a TrimmedSurface, edge: TrimEdge, rounding: f64) -> Vec<Self> {
-        let (start, end) = edge.curve().domain();
+        let [start, end] = edge.curve().domain();
         let corners = corners(edge.curve(), rounding);
         let edge = Arc::new(edge);
         let stops: Vec<f64> = [start].into_iter().chain(corners).chain([end]).collect();
         let part = |pair: &[f64]| {
-            Self::sampled(Source::Edge { trimmed, edge: Arc::clone(&edge) }, (pair[0], pair[1]))
+            Self::sampled(Source::Edge { trimmed, edge: Arc::clone(&edge) }, [pair[0], pair[1]])
         };
         stops.windows(2).map(part).filter(|part| part.length > rounding).collect()
     }
 
-    fn sampled(source: Source<'a>, domain: (f64, f64)) -> Self {
+    fn sampled(source: Source<'a>, domain: [f64; 2]) -> Self {
         // An edge of many corners is sampled in as many parts, each by its own knots only.
         let spans: Vec<[f64; 2]> = source
             .knots()
-            .spans_between(domain.0, domain.1)
-            .map(|span| [span.start.max(domain.0), span.end.min(domain.1)])
+            .spans_between(domain[0], domain[1])
+            .map(|span| [span.start.max(domain[0]), span.end.min(domain[1])])
             .filter(|[start, end]| start < end)
             .collect();
         let per_span = INTERVALS.div_ceil(spans.len());
         let within = spans.iter().flat_map(|&[start, end]| divided([start, end], per_span));
         let mut points: Vec<(f64, DVec3)> =
-            within.chain([domain.1]).map(|t| (t, source.point(t))).collect();
+            within.chain([domain[1]]).map(|t| (t, source.point(t))).collect();
 
         // Spans may be of very different lengths, and curves whose weights differ may run through
         // most of theirs near an end; but no interval may stand for much of the curve.
@@ -114,7 +114,7 @@ impl<'a> BorderCurve<'a> {
                 let parts = (chord(pair) / most).ceil().max(1.0).min(INTERVALS as f64) as usize;
                 divided([pair[0].0, pair[1].0], parts)
             });
-            points = finer.chain([domain.1]).map(|t| (t, source.point(t))).collect();
+            points = finer.chain([domain[1]]).map(|t| (t, source.point(t))).collect();
             if points.windows(2).all(|pair| chord(pair) <= 2.0 * most) {
                 break;
             }
@@ -199,7 +199,7 @@ impl<'a> BorderCurve<'a> {
     /// Gauss–Newton: `C(t + δ) ≈ C + δ C'` is nearest for `δ = (point − C) · C' / |C'|²`. On
     /// curves that meet, the residual is 0 and convergence quadratic.
     fn refined(&self, point: DVec3, mut t: f64) -> (Foot, f64) {
-        let (start, end) = self.domain;
+        let [start, end] = self.domain;
         let mut best = (Foot { t, point, distance: f64::INFINITY }, 0.0);
         for _ in 0..STEPS {
             let (on_curve, speed) = self.source.tangent(t);

@@ -35,7 +35,7 @@ pub(super) struct SurfaceFacts {
     pub(super) points: usize,
     /// Control points in u and in v, where they form a net.
     pub(super) size: Option<[usize; 2]>,
-    pub(super) domain: [(f64, f64); 2],
+    pub(super) domain: [[f64; 2]; 2],
     pub(super) pieces: usize,
     pub(super) leaves: usize,
     /// Memory of its control points, trims, pieces and leaves.

@@ -355,7 +355,7 @@ mod tests {
     #[test]
     fn loops_along_borders_and_poles_are_no_edges() {
         let octant = shapes::octant_biquadratic(1.0).unwrap();
-        let [(u0, u1), (v0, v1)] = octant.domain();
+        let [[u0, u1], [v0, v1]] = octant.domain();
         let whole = TrimLoop::rectangle(UvBox::new([u0, u1], [v0, v1])).unwrap();
         let domain = TrimDomain::of(&octant).unwrap();
         let trims = Trims::new(domain, Kept::Odd, &[whole]).unwrap();
@@ -376,7 +376,7 @@ mod tests {
     #[test]
     fn parts_cut_by_one_loop_meet_and_moved_ones_have_a_gap() {
         let sphere = shapes::sphere(2.0).unwrap();
-        let [(u0, u1), (v0, v1)] = sphere.domain();
+        let [[u0, u1], [v0, v1]] = sphere.domain();
         let center = DVec2::new(0.5 * (u0 + u1), 0.3 * v0 + 0.7 * v1);
         let circle = TrimLoop::circle(center, 0.2).unwrap();
         let domain = TrimDomain::with_seams_of(&sphere).unwrap();

@@ -74,7 +74,7 @@ fn surface_json(surface: &SurfaceFacts) -> Value {
         "degree": surface.degree,
         "rational": surface.rational,
         "size": surface.size,
-        "domain": surface.domain.map(|(start, end)| [start, end]),
+        "domain": surface.domain,
         "pieces": surface.pieces,
         "leaves": surface.leaves,
         "bytes": surface.bytes,

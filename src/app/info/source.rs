@@ -66,8 +66,7 @@ impl Source<'_> {
     pub(super) fn around(&self, t: f64) -> Option<Around> {
         Some(match self {
             Self::Border { surface, border, .. } => {
-                let (u, v) = border.uv(t);
-                Around::new(&surface.derivatives(DVec2::new(u, v)), border.around(surface))
+                Around::new(&surface.derivatives(border.uv(t)), border.around(surface))
             }
             Self::Side { patch, side, .. } => {
                 let (uv, along) = match side {

@@ -48,7 +48,7 @@ fn surfaces(surfaces: &[SurfaceFacts]) -> String {
     ];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     rows.extend(surfaces.iter().map(|surface| {
-        let [u, v] = surface.domain.map(|(start, end)| format!("{}..{}", short(start), short(end)));
+        let [u, v] = surface.domain.map(|[start, end]| format!("{}..{}", short(start), short(end)));
         vec![
             surface.index.to_string(),
             surface.name.clone(),

@@ -265,12 +265,12 @@ fn subdivision_surfaces() {
 #[test]
 fn trim_edges_and_borders() {
     let plane = shapes::plane(4.0, 4.0).unwrap();
-    let [(u0, u1), (v0, v1)] = plane.domain();
+    let [[u0, u1], [v0, v1]] = plane.domain();
     let center = DVec2::new(0.5 * (u0 + u1), 0.5 * (v0 + v1));
     let circle = TrimLoop::circle(center, 0.25 * (u1 - u0)).unwrap();
     let domain = TrimDomain::of(&plane).unwrap();
     let cylinder = shapes::cylinder(1.0, 2.0).unwrap();
-    let [(s0, _), (t0, t1)] = cylinder.domain();
+    let [[s0, _], [t0, t1]] = cylinder.domain();
     let bottom = [t0, t1]
         .map(|t| cylinder.point_at(DVec2::new(s0, t)).z)
         .into_iter()
@@ -299,7 +299,7 @@ fn trim_edges_and_borders() {
 #[test]
 fn trim_edges_and_trim_edges() {
     let sphere = shapes::sphere(2.0).unwrap();
-    let [(u0, u1), (v0, v1)] = sphere.domain();
+    let [[u0, u1], [v0, v1]] = sphere.domain();
     let domain = TrimDomain::with_seams_of(&sphere).unwrap();
     for share in [0.0, 0.4] {
         let center = DVec2::new(0.5 * (u0 + u1), v0 + share * (v1 - v0));

@@ -68,7 +68,7 @@ mod tests {
         let turned = |[x, y]: [f64; 2]| DVec3::new(0.94 * x - 0.34 * y, 0.34 * x + 0.94 * y, 0.0);
         let knots = KnotVector::uniform(3, points.len()).unwrap();
         let curve = NurbsCurve::new(knots, points.map(turned).to_vec(), None).unwrap();
-        let (bending, (_, end)) = (Bending::of(&curve), curve.domain());
+        let (bending, [_, end]) = (Bending::of(&curve), curve.domain());
         let bends = (0..=1000).filter_map(|k| bending.at(end - 1e-3 * f64::from(k)));
         let bends: Vec<f64> = bends.map(|(_, bend)| bend.length()).collect();
         assert!(bends.len() > 950, "{}", bends.len());

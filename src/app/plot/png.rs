@@ -40,7 +40,7 @@ pub(super) fn stage(
     resvg::render(&tree, Transform::identity(), &mut picture.as_mut());
     // The picture begins with a white rectangle: every pixel is opaque.
     let opaque = picture.data().chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied();
-    Ok(stage_png_bytes(path, (width, height), &opaque.collect::<Vec<u8>>())?)
+    Ok(stage_png_bytes(path, [width, height], &opaque.collect::<Vec<u8>>())?)
 }
 
 /// Adds the characters for which the font has no letter, and shows a box.

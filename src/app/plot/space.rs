@@ -134,7 +134,7 @@ pub(super) fn knots(
     order: usize,
     at: impl Fn(f64) -> DVec2,
 ) -> (Vec<DVec2>, Vec<String>) {
-    let (start, end) = knots.domain();
+    let [start, end] = knots.domain();
     let parameters = knots.spans().map(|span| span.start).chain([end]);
     let named = parameters.flat_map(|t| {
         let multiplicity = knots.multiplicity(t);

@@ -81,7 +81,7 @@ pub(super) fn de_casteljau(
     items.push(Item::Curve { path: path(curve, projection), stroke: drawn });
     let mut legend = vec![(Key::Line(drawn), "curve".to_owned())];
     let rounds = rounds(curve, t);
-    let (start, end) = curve.knots().domain();
+    let [start, end] = curve.knots().domain();
     for (round, control) in rounds.iter().enumerate().skip(1) {
         let shade = color(round - 1);
         // A point without weight has no place.

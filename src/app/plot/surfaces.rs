@@ -112,7 +112,7 @@ pub(super) fn surfaces(
 }
 
 /// `count` evenly spaced values between two others.
-fn between((start, end): (f64, f64), count: usize) -> impl Iterator<Item = f64> {
+fn between([start, end]: [f64; 2], count: usize) -> impl Iterator<Item = f64> {
     (1..=count).map(move |k| start + k as f64 / (count + 1) as f64 * (end - start))
 }
 
@@ -120,18 +120,18 @@ impl Lines {
     fn nurbs(&mut self, surface: &NurbsSurface, lines: usize) {
         for direction in Direction::BOTH {
             let curve = |at: f64| surface.curve_at(direction, at).ok();
-            let (start, end) = surface.knots(direction).domain();
-            self.borders.extend([start, end].into_iter().filter_map(curve).map(Line::of));
-            self.inner.extend(between((start, end), lines).filter_map(curve).map(Line::of));
+            let ends = surface.knots(direction).domain();
+            self.borders.extend(ends.into_iter().filter_map(curve).map(Line::of));
+            self.inner.extend(between(ends, lines).filter_map(curve).map(Line::of));
         }
     }
 
     fn trimmed(&mut self, trimmed: &TrimmedSurface, lines: usize) -> Result<(), CurveError> {
         for direction in Direction::BOTH {
             let kept = |at: f64| trimmed.kept_curves(direction, at).unwrap_or_default();
-            let (start, end) = trimmed.surface().knots(direction).domain();
-            self.borders.extend([start, end].into_iter().flat_map(kept).map(Line::of));
-            self.inner.extend(between((start, end), lines).flat_map(kept).map(Line::of));
+            let ends = trimmed.surface().knots(direction).domain();
+            self.borders.extend(ends.into_iter().flat_map(kept).map(Line::of));
+            self.inner.extend(between(ends, lines).flat_map(kept).map(Line::of));
         }
         self.edges.extend(trimmed.edge_curves()?.into_iter().map(Line::of));
         Ok(())
@@ -148,7 +148,7 @@ impl Lines {
                 })
             };
             self.borders.push(line(0.0));
-            self.inner.extend(between((0.0, 1.0), lines).map(line));
+            self.inner.extend(between([0.0, 1.0], lines).map(line));
         }
     }
 
@@ -160,7 +160,7 @@ impl Lines {
                 let curves =
                     |at| surface.unit_curves(unit, direction, at).into_iter().map(Line::of);
                 self.borders.extend([0.0, 1.0].into_iter().flat_map(curves));
-                self.inner.extend(between((0.0, 1.0), lines).flat_map(curves));
+                self.inner.extend(between([0.0, 1.0], lines).flat_map(curves));
             }
         }
         // Doo–Sabin surfaces end within faces.
@@ -180,12 +180,12 @@ impl Lines {
         let domain = surface.domain();
         for fixed in Direction::BOTH {
             let line = |at: f64| {
-                let (surface, (start, end)) = (surface.clone(), domain[fixed.other()]);
+                let (surface, [start, end]) = (surface.clone(), domain[fixed.other()]);
                 Line::new(move |t| {
                     surface.point_at(fixed.pair(at, start + t * (end - start)).into())
                 })
             };
-            self.borders.extend([domain[fixed].0, domain[fixed].1].map(line));
+            self.borders.extend(domain[fixed].map(line));
             self.inner.extend(between(domain[fixed], lines).map(line));
         }
     }

@@ -165,7 +165,7 @@ fn step_at(line: &[DVec2], mut along: f64) -> Option<[DVec2; 2]> {
 fn numbers(loops: &[Vec<LoopCurve>]) -> Vec<Item> {
     let starts = loops.iter().enumerate().filter_map(|(number, curves)| {
         let curve = &curves.first()?.curve;
-        let start = curve.point_at(curve.domain().0).xy();
+        let start = curve.point_at(curve.domain()[0]).xy();
         let all = curves.iter().flat_map(|one| {
             (0..one.curve.control().len()).map(|index| one.curve.point(index).xy())
         });

@@ -78,7 +78,7 @@ impl Model {
         let ((scene, world), preparation) = repeat_preparing(budget, || {
             let start = Instant::now();
             let mut scene = input::read(path)?;
-            scene.settings.size = size.map_or(scene.settings.size, Into::into);
+            scene.settings.size = size.unwrap_or(scene.settings.size);
             let placed = Placed::new(&scene).or_bad_input()?;
             let read = start.elapsed();
             let world = placed.build().or_bad_input()?;
@@ -129,7 +129,7 @@ fn parameters(knots: &KnotVector) -> Vec<f64> {
         [0.0, 1.0 / 3.0, 2.0 / 3.0].map(|fraction| start + fraction * (end - start))
     };
     let spans = knots.spans().flat_map(|span| within(span.start, span.end));
-    spans.chain([knots.domain().1]).collect()
+    spans.chain([knots.domain()[1]]).collect()
 }
 
 #[cfg(test)]

@@ -65,7 +65,7 @@ impl<'a> Tolerance<'a> {
     fn new(profile: &'a NurbsCurve, axis: &Axis) -> Self {
         let magnitude = profile.magnitude().max(axis.magnitude());
         let count = (profile.knots().degree() + 1) as f64;
-        let (start, end) = profile.domain();
+        let [start, end] = profile.domain();
         let step = f64::EPSILON * start.abs().max(end.abs());
         Self { profile, rounding: ROUNDINGS * count * f64::EPSILON * magnitude, step }
     }
@@ -130,7 +130,7 @@ fn candidates(piece: &NurbsCurve, axis: &Axis) -> Vec<f64> {
         add_extremes(&coordinate, &weights, 0.0, &mut shares);
         add_sign_changes(coordinate, noise.clone(), &mut shares);
     }
-    let (start, end) = piece.domain();
+    let [start, end] = piece.domain();
     let within = |&t: &f64| start < t && t < end;
     shares.into_iter().map(|share| start + share * (end - start)).filter(within).collect()
 }
@@ -233,7 +233,7 @@ mod tests {
     }
 
     fn same_points(name: &str, surface: &NurbsSurface, profile: &NurbsCurve, axis: &Axis) {
-        let (start, end) = profile.domain();
+        let [start, end] = profile.domain();
         for k in 0..=40 {
             let t = start + (end - start) * f64::from(k) / 40.0;
             let off = surface.point_at(DVec2::new(0.0, t)).distance(profile.point_at(t));

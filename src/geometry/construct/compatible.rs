@@ -30,9 +30,9 @@ pub(crate) fn compatible(
     let Some(first) = curves.first() else { return Ok(Vec::new()) };
     let degree = curves.iter().map(|curve| curve.knots().degree()).fold(1, usize::max);
     let same_domain = curves.iter().all(|curve| curve.domain() == first.domain());
-    let domain = if same_domain { first.domain() } else { (0.0, 1.0) };
+    let domain = if same_domain { first.domain() } else { [0.0, 1.0] };
     let prepare = |curve: &NurbsCurve| {
-        let curve = curve.clamped().on_domain(domain.0, domain.1)?;
+        let curve = curve.clamped().on_domain(domain[0], domain[1])?;
         curve.elevated(degree - curve.knots().degree())
     };
     // A short curve of high degree makes long curves of low degree many times as long, and each
@@ -49,7 +49,7 @@ pub(crate) fn compatible(
     }
 
     // Knots that are the same get the same value, then every curve gets every knot.
-    let places = distinct_knots(&prepared, SAME_KNOT * (domain.1 - domain.0));
+    let places = distinct_knots(&prepared, SAME_KNOT * (domain[1] - domain[0]));
     for (index, curve) in prepared.iter_mut().enumerate() {
         let knots = snapped(curve.knots(), &places).map_err(CurveError::from);
         let knots = knots.map_err(ConstructError::of(which(index)))?;
@@ -147,8 +147,8 @@ mod tests {
         let same = compatible(&curves, &|k| format!("curve {k}")).unwrap();
         for (new, old) in same.iter().zip(&curves) {
             assert_eq!(new.knots(), same[0].knots());
-            assert_eq!((new.domain(), new.knots().degree()), ((0.0, 1.0), 3));
-            let (a, b) = old.domain();
+            assert_eq!((new.domain(), new.knots().degree()), ([0.0, 1.0], 3));
+            let [a, b] = old.domain();
             for k in 0..=40 {
                 let s = f64::from(k) / 40.0;
                 let off = new.point_at(s).distance(old.point_at(a + s * (b - a)));
@@ -205,7 +205,7 @@ mod tests {
     fn equal_domains_are_kept() {
         let curves = [curve(1, &[(2.0, 2), (3.0, 2)], 1.0), curve(2, &[(2.0, 3), (3.0, 3)], 2.0)];
         let same = compatible(&curves, &|_| String::new()).unwrap();
-        assert_eq!(same[0].domain(), (2.0, 3.0));
+        assert_eq!(same[0].domain(), [2.0, 3.0]);
         assert_eq!(same[1], curves[1]);
     }
 }

@@ -214,7 +214,7 @@ mod tests {
     }
 
     fn at(curve: &NurbsCurve, share: f64) -> DVec3 {
-        let (a, b) = curve.domain();
+        let [a, b] = curve.domain();
         curve.point_at(a + share * (b - a))
     }
 

@@ -247,7 +247,7 @@ impl Drawing {
 
     /// Whether a curved part is there already; if not, it is recorded.
     fn knows_or_adds(&mut self, curve: &NurbsCurve) -> bool {
-        let (start, end) = curve.domain();
+        let [start, end] = curve.domain();
         let middle = curve.point_at(0.5 * (start + end));
         let mut ends = curve.ends().map(|end| self.places.find_or_add(end));
         ends.sort_unstable();
@@ -275,12 +275,12 @@ const SAME_PLANE: f64 = 1000.0 * SAME;
 /// degree `p + q`: it vanishes if it does so at `p + q + 1` places.
 fn coincide(a: &NurbsCurve, b: &NurbsCurve, tolerance: f64) -> bool {
     let share_to_t = |curve: &NurbsCurve, share: f64| {
-        let (start, end) = curve.domain();
+        let [start, end] = curve.domain();
         if share == 1.0 { end } else { start + share * (end - start) }
     };
     let mut breaks = vec![0.0, 1.0];
     for curve in [a, b] {
-        let (start, end) = curve.domain();
+        let [start, end] = curve.domain();
         breaks.extend(curve.knots().spans().map(|span| (span.start - start) / (end - start)));
     }
     breaks.sort_by(f64::total_cmp);

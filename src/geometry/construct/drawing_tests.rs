@@ -75,7 +75,7 @@ fn tubes_are_made_once_whichever_way_they_run() {
     let line = NurbsCurve::polyline(&[DVec3::ZERO, DVec3::new(1.0, 0.3, 0.2)]).unwrap();
     for curve in [&wave, &arc, &line] {
         let moved = curve.on_domain(3.0, 5.0).unwrap();
-        let finer = curve.elevated(1).unwrap().insert_knot(curve.domain().1 * 0.3, 1).unwrap();
+        let finer = curve.elevated(1).unwrap().insert_knot(curve.domain()[1] * 0.3, 1).unwrap();
         let all = [curve.clone(), curve.reversed(), moved, finer.reversed(), finer];
         assert_eq!(counts(&drawn(&all, Caps::Open, 1.0)), [1, 0, 0]);
     }
@@ -140,7 +140,7 @@ fn lines_that_overlap_are_joined() {
         pieces.iter().filter(|piece| piece.kind == ComponentKind::Line).collect();
     assert_eq!(lines.len(), 4);
     // The joined line spans the whole length.
-    let [_, (c, d)] = lines[0].surface.domain();
+    let [_, [c, d]] = lines[0].surface.domain();
     let length = lines[0]
         .surface
         .point_at(DVec2::new(0.0, c))
@@ -164,7 +164,7 @@ fn nets_of_tubes_with_corners_have_no_rods_within_others() {
         .map(|piece| {
             // The middles of the circles at both ends.
             let surface = &piece.surface;
-            let [(a, b), (c, d)] = surface.domain();
+            let [[a, b], [c, d]] = surface.domain();
             let middle = |v| {
                 0.5 * (surface.point_at(DVec2::new(a, v))
                     + surface.point_at(DVec2::new(0.5 * (a + b), v)))
@@ -209,7 +209,7 @@ fn many_lines_are_drawn_in_no_time() {
     let mut straight = Drawing::among([DVec3::ONE], style);
     for curve in meridians {
         curved.tube(&curve).unwrap();
-        let middle = curve.point_at(0.5 * (curve.domain().0 + curve.domain().1));
+        let middle = curve.point_at(0.5 * (curve.domain()[0] + curve.domain()[1]));
         let line = NurbsCurve::polyline(&[middle, middle + 0.3 * DVec3::Y]).unwrap();
         straight.tube(&line).unwrap();
     }

@@ -44,7 +44,7 @@ pub(crate) fn check_turned(
     check_fold(profile, "profile")?;
     let course = turned(profile, axis);
     if course.is_point() {
-        let distance = axis.across(profile.point_at(profile.domain().0)).length();
+        let distance = axis.across(profile.point_at(profile.domain()[0])).length();
         return Err(ConstructError::OneCircle { distance });
     }
     let reach = (0..profile.control().len()).map(|i| axis.across(profile.point(i)).length());

@@ -22,7 +22,7 @@ impl Frame {
 
     /// The frame at the start of a path, its side as near to `up` as it can be.
     pub(crate) fn first(path: &NurbsCurve, up: Option<DVec3>) -> Result<Self, ConstructError> {
-        let (start, _) = path.domain();
+        let [start, _] = path.domain();
         let tangent = direction(path, start)?;
         let steep = tangent.z.abs() > STEEP;
         let wanted = up.unwrap_or(if steep { DVec3::Y } else { DVec3::Z });
@@ -97,7 +97,7 @@ impl PieceFrames {
 
     /// The frame at a parameter of the piece.
     pub(crate) fn at(&self, t: f64) -> Result<Frame, ConstructError> {
-        let (start, end) = self.curve.domain();
+        let [start, end] = self.curve.domain();
         let last = self.samples.len() - 1;
         let share = ((t - start) / (end - start)).clamp(0.0, 1.0);
         let below = self.samples[((share * last as f64) as usize).min(last)];
@@ -111,7 +111,7 @@ impl PieceFrames {
 }
 
 fn walked(curve: &NurbsCurve, first: Frame, steps: usize) -> Result<Vec<Frame>, ConstructError> {
-    let (start, end) = curve.domain();
+    let [start, end] = curve.domain();
     let mut frame = first;
     let mut frames = Vec::with_capacity(steps + 1);
     frames.push(first);

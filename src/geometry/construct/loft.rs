@@ -175,7 +175,7 @@ mod tests {
             assert!(!surface.is_rational(), "{count}");
             for (section, v) in sections.iter().zip(parameters) {
                 let middle = surface.point_at(DVec2::new(0.5, v));
-                let (start, end) = section.domain();
+                let [start, end] = section.domain();
                 let expected = section.derivatives(0.5 * (start + end)).point;
                 assert!(middle.distance(expected) < 1e-13, "{count}");
             }
@@ -217,7 +217,7 @@ mod tests {
         let sections = [line.unwrap(), half(1.5, 1.0), half(1.2, 2.0), cubic];
         let Loft { surface, parameters } = loft(&sections, 3).unwrap();
         for (section, &v) in sections.iter().zip(&parameters) {
-            let (a, b) = section.domain();
+            let [a, b] = section.domain();
             for k in 0..=40 {
                 let s = f64::from(k) / 40.0;
                 let off =

@@ -19,7 +19,7 @@
 //! // A cone: a slanted line turned about the z axis.
 //! let line = NurbsCurve::polyline(&[DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.0, 0.0, 3.0)])?;
 //! let cone = revolve(&line, &Axis::Z, 360.0)?;
-//! let middle = cone.point_at(DVec2::new(0.125, line.domain().1 / 2.0));
+//! let middle = cone.point_at(DVec2::new(0.125, line.domain()[1] / 2.0));
 //! assert!((middle.truncate().length() - 1.0).abs() < 1e-15);
 //! assert_eq!(cone.point(5, 1), DVec3::new(0.0, 0.0, 3.0)); // the tip, whatever u
 //! # Ok::<(), Box<dyn std::error::Error>>(())

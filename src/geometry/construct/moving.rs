@@ -33,7 +33,7 @@ impl Carrier {
 #[derive(Debug)]
 pub(crate) struct MovingFrames {
     pieces: Vec<PieceFrames>,
-    domain: (f64, f64),
+    domain: [f64; 2],
     /// The whole turn about the path, in radians: the twist plus the turn that closes the sweep.
     turn: f64,
     scale: Vec<f64>,
@@ -97,8 +97,8 @@ impl MovingFrames {
         let turning = if turning.is_finite() { turning } else { DVec3::ZERO };
         let (r1, s1) = (-r.dot(turning) * along, -s.dot(turning) * along);
 
-        let length = self.domain.1 - self.domain.0;
-        let share = (t - self.domain.0) / length;
+        let length = self.domain[1] - self.domain[0];
+        let share = (t - self.domain[0]) / length;
         let (sin, cos) = (self.turn * share).sin_cos();
         let speed = self.turn / length;
         let (x, y) = (cos * r + sin * s, cos * s - sin * r);
@@ -119,7 +119,7 @@ impl MovingFrames {
     /// curvature. Between the samples, that place is searched for around those that are the
     /// farthest among their neighbours.
     pub(crate) fn check_folds(&self, profile: &NurbsCurve) -> Result<(), ConstructError> {
-        let (start, end) = profile.domain();
+        let [start, end] = profile.domain();
         let at = |k: usize| start + (end - start) * k as f64 / FOLD_SAMPLES as f64;
         let points: Vec<DVec3> = (0..=FOLD_SAMPLES).map(|k| profile.point_at(at(k))).collect();
         let mut looked_at = Vec::with_capacity(self.pieces.len());
@@ -160,7 +160,7 @@ impl MovingFrames {
         place: f64,
         points: &[DVec3],
     ) -> Result<Bend, ConstructError> {
-        let (start, end) = piece.curve.domain();
+        let [start, end] = piece.curve.domain();
         let share = (place / FOLD_SAMPLES as f64).clamp(INSIDE, 1.0 - INSIDE);
         let t = start + (end - start) * share;
         let (carrier, _) = self.at(piece, t)?;
@@ -261,13 +261,13 @@ pub(crate) fn approximate(
 ) -> Result<Sweep, ConstructError> {
     let points: Vec<DVec3> = (0..profile.control().len()).map(|i| profile.point(i)).collect();
     let mut columns: Vec<Carrier> = Vec::new();
-    let mut breaks = vec![frames.domain.0];
+    let mut breaks = vec![frames.domain[0]];
     let mut deviation: f64 = 0.0;
     for piece in &frames.pieces {
         // The remaining intervals, the first one last.
         let mut waiting = vec![piece.curve.domain()];
-        while let Some((a, b)) = waiting.pop() {
-            let (cubic, mut off) = hermite(frames, piece, (a, b), &points)?;
+        while let Some([a, b]) = waiting.pop() {
+            let (cubic, mut off) = hermite(frames, piece, [a, b], &points)?;
             if let Some(last) = columns.last() {
                 // Where two pieces of the path meet, their directions may differ a little.
                 off += farthest(points.iter().map(|&p| [last, &cubic[0]].map(|c| c.carried(p))));
@@ -287,7 +287,7 @@ pub(crate) fn approximate(
                 let (path, deviation, t, point) = ("path", off, a, piece.curve.point_at(a));
                 return Err(ConstructError::NotHeld { path, tolerance, deviation, t, point });
             }
-            waiting.extend([(middle, b), (a, middle)]);
+            waiting.extend([[middle, b], [a, middle]]);
         }
     }
     if frames.closes {
@@ -314,7 +314,7 @@ pub(crate) fn approximate(
 fn hermite(
     frames: &MovingFrames,
     piece: &PieceFrames,
-    (a, b): (f64, f64),
+    [a, b]: [f64; 2],
     points: &[DVec3],
 ) -> Result<([Carrier; 4], f64), ConstructError> {
     let third = (b - a) / 3.0;

@@ -23,7 +23,7 @@ pub(crate) const SMOOTH: f64 = 1e-7;
 /// # Errors
 /// When the curve stands still inside its domain, or everywhere.
 pub(crate) fn direction(curve: &NurbsCurve, t: f64) -> Result<DVec3, ConstructError> {
-    let (start, end) = curve.domain();
+    let [start, end] = curve.domain();
     let found = if t <= start {
         first_leg(curve).and_then(unit)
     } else if t >= end {
@@ -77,7 +77,7 @@ pub(crate) fn kinks(curve: &NurbsCurve) -> Result<Vec<Kink>, ConstructError> {
     let pieces = curve.bezier_pieces();
     let mut found = Vec::new();
     for pair in pieces.windows(2) {
-        let t = pair[1].domain().0;
+        let t = pair[1].domain()[0];
         let point = pair[0].point_at(t);
         let gap = point.distance(pair[1].point_at(t));
         if gap > same_place {
@@ -98,12 +98,12 @@ pub(crate) fn kinks(curve: &NurbsCurve) -> Result<Vec<Kink>, ConstructError> {
 /// # Errors
 /// As [`kinks`].
 pub(crate) fn smooth_parts(curve: &NurbsCurve) -> Result<Vec<NurbsCurve>, ConstructError> {
-    let (start, end) = curve.domain();
+    let [start, end] = curve.domain();
     let mut cuts = vec![start];
     cuts.extend(kinks(curve)?.iter().map(|kink| kink.t));
     cuts.push(end);
     let form = curve.bezier_form();
-    Ok(cuts.windows(2).map(|pair| form.restricted((pair[0], pair[1]))).collect())
+    Ok(cuts.windows(2).map(|pair| form.restricted([pair[0], pair[1]])).collect())
 }
 
 /// Whether a clamped curve runs straight on: its control points lie on one line, in order.
@@ -144,7 +144,7 @@ impl OnCircle {
     /// it if a polynomial of degree `2p` vanishes on each piece, which `2p + 1` samples decide, up
     /// to rounding; one more is taken.
     pub(crate) fn of(curve: &NurbsCurve) -> Option<Self> {
-        let (start, _) = curve.domain();
+        let [start, _] = curve.domain();
         let at = curve.derivatives(start);
         let speed = at.first.length();
         let ahead = unit(at.first)?;

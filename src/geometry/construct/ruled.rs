@@ -137,7 +137,7 @@ mod tests {
         let half = arc(180.0, -180.0, 3.0, 0.0);
         let surface = ruled(&half, &cubic).unwrap();
         assert_eq!((surface.knots_u().degree(), surface.knots_v().degree()), (3, 1));
-        let (a, b) = cubic.domain();
+        let [a, b] = cubic.domain();
         for k in 0..=50 {
             let s = f64::from(k) / 50.0;
             assert!(surface.point_at(DVec2::new(s, 0.0)).distance(half.point_at(s)) < 5e-15);

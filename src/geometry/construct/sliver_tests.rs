@@ -57,7 +57,7 @@ fn no_bends_and_no_kinks_between_knots_that_nearly_agree() {
 #[test]
 fn a_neighbour_takes_the_place_of_slivers() {
     let parabola = NurbsCurve::bezier(&[DVec3::ZERO, DVec3::X, DVec3::new(2.0, 2.0, 0.0)]).unwrap();
-    let (start, end) = parabola.domain();
+    let [start, end] = parabola.domain();
     let cut = |at: &[f64]| {
         let refined = at.iter().fold(parabola.clone(), |c, &t| c.insert_knot(t, 2).unwrap());
         without_stops(&refined).unwrap()
@@ -68,7 +68,7 @@ fn a_neighbour_takes_the_place_of_slivers() {
         for (at, spans) in [(&inside[..2], 2), (&inside, 2), (&[gap], 1), (&[1.0 - gap], 1)] {
             let through = cut(at);
             assert_eq!(through.knots().spans().count(), spans, "{at:?}");
-            assert_eq!(through.domain(), (start, end));
+            assert_eq!(through.domain(), [start, end]);
             assert_eq!(kinks(&through), Ok(vec![]), "{at:?}");
             for k in 0..=100 {
                 let t = f64::from(k) / 100.0;

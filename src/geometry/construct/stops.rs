@@ -34,7 +34,7 @@ pub(crate) fn without_stops(curve: &NurbsCurve) -> Result<NurbsCurve, ConstructE
             moving.extend(between_cusps(piece, magnitude));
         }
     }
-    let (start, end) = curve.domain();
+    let [start, end] = curve.domain();
     if moving.is_empty() {
         let point = pieces[0].point_at(start);
         return Err(ConstructError::StandsStill { path: "path", t: start, point });
@@ -71,7 +71,7 @@ pub(crate) fn without_stops(curve: &NurbsCurve) -> Result<NurbsCurve, ConstructE
 
 /// Whether a part is the whole of a piece.
 fn is_whole((part, piece): (&Part, &NurbsCurve)) -> bool {
-    part.start == piece.domain().0 && part.control == piece.control()
+    part.start == piece.domain()[0] && part.control == piece.control()
 }
 
 fn stands_still(piece: &NurbsCurve) -> bool {
@@ -81,7 +81,7 @@ fn stands_still(piece: &NurbsCurve) -> bool {
 
 /// A Bézier piece cut at the places within it where it stands still.
 fn between_cusps(piece: &NurbsCurve, magnitude: f64) -> Vec<Part> {
-    let (start, end) = piece.domain();
+    let [start, end] = piece.domain();
     let degree = piece.knots().degree();
     let part = |from: f64, to: f64| {
         let mut control = piece.control().to_vec();
@@ -144,7 +144,7 @@ mod tests {
 
     /// The least distance from a point to densely sampled points of a curve.
     fn off(point: DVec3, curve: &NurbsCurve) -> f64 {
-        let (start, end) = curve.domain();
+        let [start, end] = curve.domain();
         let at = |k: i32| curve.point_at(start + (end - start) * f64::from(k) / 20_000.0);
         (0..=20_000).map(|k| at(k).distance(point)).fold(f64::INFINITY, f64::min)
     }
@@ -167,7 +167,7 @@ mod tests {
             assert!((found[0].degrees - 2f64.atan().to_degrees()).abs() < 1e-9, "{found:?}");
             assert!(through.point_at(found[0].t).distance(DVec3::new(a, b, 0.0)) < 1e-15);
             for share in 0..=40 {
-                let (start, end) = stopped.domain();
+                let [start, end] = stopped.domain();
                 let t = start + (end - start) * f64::from(share) / 40.0;
                 assert!(off(through.point_at(t), &stopped) < 1e-3, "{k}, {t}");
                 assert!(off(stopped.point_at(t), &through) < 1e-3, "{k}, {t}");

@@ -152,7 +152,7 @@ fn along_a_line(
         [factor] => (path.clone(), vec![*factor; path.control().len()]),
         factors => {
             let graph = factors.iter().map(|&f| DVec4::new(f, 0.0, 0.0, 1.0)).collect();
-            let (start, end) = path.domain();
+            let [start, end] = path.domain();
             let graph = NurbsCurve::from_homogeneous(unit_knots(factors.len() - 1), graph)
                 .and_then(|graph| graph.on_domain(start, end))
                 .map_err(ConstructError::of("scale"))?;
@@ -186,7 +186,7 @@ fn along_a_circle(
         let offset = p.x * frame.normal + p.y * frame.side() + p.z * frame.tangent;
         frame.origin + factor * offset - circle.centre
     };
-    let (start, end) = profile.domain();
+    let [start, end] = profile.domain();
     let across = |share: usize| {
         let t = start + (end - start) * share as f64 / FOLD_SAMPLES as f64;
         place(profile.point_at(t)).dot(circle.across)
@@ -195,7 +195,7 @@ fn along_a_circle(
     let radius = circle.radius;
     if nearest <= SAME_PLACE * radius {
         let reach = radius - nearest;
-        let (what, called, t) = ("sweep", "path", path.domain().0);
+        let (what, called, t) = ("sweep", "path", path.domain()[0]);
         let point = frame.origin;
         return Err(ConstructError::Fold { what, path: called, t, point, radius, reach });
     }

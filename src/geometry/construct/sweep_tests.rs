@@ -17,7 +17,7 @@ fn grid() -> impl Iterator<Item = (f64, f64)> {
 
 /// The surface's point at shares of its domain.
 fn at(sweep: &Sweep, (u, v): (f64, f64)) -> DVec3 {
-    let [(a, b), (c, d)] = sweep.surface.domain();
+    let [[a, b], [c, d]] = sweep.surface.domain();
     sweep.surface.point_at(DVec2::new(a + u * (b - a), c + v * (d - c)))
 }
 
@@ -40,7 +40,7 @@ fn along_a_line_a_circle_makes_a_cylinder_a_cone_or_a_trumpet() {
                 assert!((p.truncate().length() - radius).abs() < 2e-15, "({u}, {v}): {p}");
                 assert!((p.z - 1.0 - 3.0 * v).abs() < 2e-15);
             }
-            let normal = made.surface.normal(DVec2::new(0.0, made.surface.domain()[1].0)).unwrap();
+            let normal = made.surface.normal(DVec2::new(0.0, made.surface.domain()[1][0])).unwrap();
             assert!(normal.x > 0.4, "outward");
         }
     }
@@ -63,7 +63,7 @@ fn along_circles_of_any_degree_a_circle_makes_an_exact_torus() {
             let off = (p.truncate().length() - major).hypot(p.z) - 0.25;
             assert!(off.abs() < 1e-14, "({u}, {v}): off by {off:e}");
             // The profile is at the path's point of the same parameter.
-            let along = path.point_at(path.domain().0 + v * (path.domain().1 - path.domain().0));
+            let along = path.point_at(path.domain()[0] + v * (path.domain()[1] - path.domain()[0]));
             assert!((at(&made, (u, v)).distance(along) - 0.25).abs() < 1e-14);
         }
     }
@@ -90,7 +90,7 @@ fn what_is_not_rational_stays_within_its_tolerance() {
         // across the path. Checked between the places at which the deviation was measured.
         let mut worst: f64 = 0.0;
         for (u, v) in (0..4000).map(|k| (f64::from(k % 7) / 7.0, (f64::from(k) + 0.5) / 4000.0)) {
-            let t = v * path.domain().1;
+            let t = v * path.domain()[1];
             let here = path.derivatives(t);
             let offset = at(&made, (u, v)) - here.point;
             let along = offset.dot(here.first.normalize());
@@ -127,7 +127,7 @@ fn sizes_and_places_do_not_matter() {
         let relative = made.deviation / size;
         assert!(relative > 1e-8 && relative < 1e-5, "size {size}: {relative:e}");
         for (u, v) in grid() {
-            let off = at(&made, (u, v)).distance(path.point_at(v * path.domain().1)) / size - 0.1;
+            let off = at(&made, (u, v)).distance(path.point_at(v * path.domain()[1])) / size - 0.1;
             assert!(off.abs() <= relative + 1e-12, "size {size}, ({u}, {v}): {off:e}");
         }
     }
@@ -142,7 +142,7 @@ fn a_path_may_begin_and_end_at_rest() {
     let path = NurbsCurve::uniform_bspline(3, &path).unwrap();
     let made = sweep(&circle(0.1), &path, &SweepOptions::default()).unwrap();
     let off = |(u, v): (f64, f64)| {
-        let t = path.domain().0 + v * (path.domain().1 - path.domain().0);
+        let t = path.domain()[0] + v * (path.domain()[1] - path.domain()[0]);
         (at(&made, (u, v)).distance(path.point_at(t)) - 0.1).abs()
     };
     let worst = grid().map(off).fold(0.0, f64::max);
@@ -184,7 +184,7 @@ fn reported_deviations_hold_everywhere() {
         for tolerance in [None, Some(1e-2), Some(1e-3), Some(1e-4), Some(1e-5)] {
             let options = SweepOptions { twist, tolerance, ..SweepOptions::default() };
             let made = sweep(&square, &path, &options).unwrap();
-            let (start, end) = path.domain();
+            let [start, end] = path.domain();
             let turn = |t: f64, r: DVec3| {
                 let at = path.derivatives(t);
                 let along = at.first.normalize();
@@ -206,7 +206,7 @@ fn reported_deviations_hold_everywhere() {
                     for corner in 0..4 {
                         let p = square.point(corner);
                         let expected = at.point + p.x * x + p.y * y;
-                        let (u, _) = square.domain();
+                        let [u, _] = square.domain();
                         let ours = made
                             .surface
                             .point_at(DVec2::new(u + corner as f64 * square_side(&square), t));

@@ -106,7 +106,7 @@ mod tests {
                 panic!("one tube")
             };
             assert!(*deviation <= 1.5e-3 * radius, "{radius}: {deviation}");
-            let [(a, b), (c, d)] = surface.domain();
+            let [[a, b], [c, d]] = surface.domain();
             for (i, j) in (0..=40).flat_map(|i| (0..=12).map(move |j| (i, j))) {
                 let v = c + (d - c) * f64::from(i) / 40.0;
                 let point = surface.point_at(DVec2::new(a + (b - a) * f64::from(j) / 12.0, v));
@@ -127,7 +127,7 @@ mod tests {
             assert_eq!(counts(&pieces), [3, 2, 2]);
             for piece in &pieces {
                 assert_eq!(piece.deviation, 0.0);
-                let [(a, b), (c, d)] = piece.surface.domain();
+                let [[a, b], [c, d]] = piece.surface.domain();
                 for (i, j) in (0..=12).flat_map(|i| (0..=12).map(move |j| (i, j))) {
                     let share = [f64::from(i) / 12.0, f64::from(j) / 12.0];
                     let (u, v) = (a + share[0] * (b - a), c + share[1] * (d - c));
@@ -156,7 +156,7 @@ mod tests {
             let pieces = tube(&line, &style).unwrap();
             let centre = DVec3::new(0.5, 1.0, 1.0);
             for piece in &pieces {
-                let [(a, b), (c, d)] = piece.surface.domain();
+                let [[a, b], [c, d]] = piece.surface.domain();
                 let (u, v) = (a + 0.3 * (b - a), c + 0.4 * (d - c));
                 let outward = piece.surface.point_at(DVec2::new(u, v)) - centre;
                 assert!(
@@ -189,7 +189,7 @@ mod tests {
         let pieces = ribbon(&curve, &style).unwrap();
         assert_eq!(pieces.len(), 1);
         let band = &pieces[0].surface;
-        let [(a, b), _] = band.domain();
+        let [[a, b], _] = band.domain();
         for k in 0..=20 {
             let v = f64::from(k) / 20.0;
             assert!(band.normal(DVec2::new(0.5 * (a + b), v)).unwrap().distance(DVec3::Z) < 1e-12);
@@ -254,7 +254,7 @@ mod tests {
 
             // No place of the curve has a smaller radius of curvature, except that the 64 places
             // around the tube are off the direction of the centre: cos(π / 64) is 1 - 1.2e-3.
-            let (start, end) = curve.domain();
+            let [start, end] = curve.domain();
             for k in 1..100_000 {
                 let at = curve.derivatives(start + (end - start) * f64::from(k) / 1e5);
                 let radius = at.first.length().powi(3) / at.first.cross(at.second).length();

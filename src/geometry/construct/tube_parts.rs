@@ -45,8 +45,8 @@ pub(super) fn parts(curve: &NurbsCurve, radius: f64) -> Result<Parts, ConstructE
     let mut ends = Vec::new();
     let (first, last) = (&smooth[0], &smooth[smooth.len() - 1]);
     let (start, end) = (first.ends()[0], last.ends()[1]);
-    let backwards = -direction(first, first.domain().0)?;
-    let forwards = direction(last, last.domain().1)?;
+    let backwards = -direction(first, first.domain()[0])?;
+    let forwards = direction(last, last.domain()[1])?;
     if !curve.is_closed() {
         ends.extend([(start, backwards), (end, forwards)]);
     } else if angle(-backwards, forwards) > SAME_DIRECTION {

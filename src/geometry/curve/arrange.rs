@@ -78,7 +78,7 @@ impl NurbsCurve {
 
     /// The first and the last point of the curve.
     pub fn ends(&self) -> [DVec3; 2] {
-        let (start, end) = self.domain();
+        let [start, end] = self.domain();
         [self.point_at(start), self.point_at(end)]
     }
 
@@ -97,7 +97,7 @@ impl NurbsCurve {
     /// The Bézier pieces of the curve, each on its own part of the domain.
     pub(crate) fn bezier_pieces(&self) -> Vec<Self> {
         let form = self.bezier_form();
-        let spans = form.knots().spans().map(|span| (span.start, span.end));
+        let spans = form.knots().spans().map(|span| [span.start, span.end]);
         spans.collect::<Vec<_>>().into_iter().map(|range| form.restricted(range)).collect()
     }
 
@@ -119,7 +119,7 @@ mod tests {
         let points = (0..5).map(|k| DVec3::new(f64::from(k), f64::from(k * k), 1.0)).collect();
         let curve = NurbsCurve::new(knots, points, Some(vec![1.0, 2.0, 1.0, 0.5, 1.0])).unwrap();
         let moved = curve.on_domain(10.0, 11.0).unwrap();
-        assert_eq!(moved.domain(), (10.0, 11.0));
+        assert_eq!(moved.domain(), [10.0, 11.0]);
         assert_eq!(moved.knots().multiplicity(10.375), 2);
         for k in 0..=16 {
             let s = f64::from(k) / 16.0;
@@ -137,7 +137,7 @@ mod tests {
     fn polygons_run_at_unit_speed() {
         let corners = [[0.0, 0.0, 0.0], [3.0, 4.0, 0.0], [3.0, 4.0, 2.0]].map(DVec3::from);
         let line = NurbsCurve::polyline(&corners).unwrap();
-        assert_eq!(line.domain(), (0.0, 7.0));
+        assert_eq!(line.domain(), [0.0, 7.0]);
         assert_eq!(line.point_at(5.0), corners[1]);
         assert_eq!(line.point_at(6.0), DVec3::new(3.0, 4.0, 1.0));
         assert_eq!(

@@ -107,7 +107,7 @@ mod tests {
                 let limit = scheme.limit(&polygon, PolygonEnds::Open).unwrap();
                 let cut = scheme.cut(&polygon, PolygonEnds::Open).unwrap();
                 let again = NurbsCurve::uniform_bspline(scheme.degree(), &cut).unwrap();
-                let (a, b) = limit.domain();
+                let [a, b] = limit.domain();
                 let again = again.on_domain(a, b).unwrap();
                 for k in 0..=60 {
                     let t = a + (b - a) * f64::from(k) / 60.0;
@@ -123,7 +123,7 @@ mod tests {
     fn chaikin_s_limit_touches_every_edge_at_its_middle() {
         let polygon = polygon(1.0);
         let limit = CornerCutting::Chaikin.limit(&polygon, PolygonEnds::Closed).unwrap();
-        let start = limit.domain().0;
+        let start = limit.domain()[0];
         for k in 0..5 {
             let edge = polygon[(k + 1) % 5] - polygon[k];
             let at = limit.derivatives(start + k as f64);
@@ -138,7 +138,7 @@ mod tests {
             for ends in [PolygonEnds::Open, PolygonEnds::Closed] {
                 let mut polygon = polygon(1.0);
                 let limit = scheme.limit(&polygon, ends).unwrap();
-                let (a, b) = limit.domain();
+                let [a, b] = limit.domain();
                 let samples: Vec<DVec3> = (0..=20000)
                     .map(|k| limit.point_at(a + (b - a) * f64::from(k) / 20000.0))
                     .collect();

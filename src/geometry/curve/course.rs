@@ -57,7 +57,7 @@ pub(crate) struct Course {
 
 /// A piece of a course, of any degree.
 struct CoursePiece {
-    domain: (f64, f64),
+    domain: [f64; 2],
     control: Vec<DVec4>,
 }
 
@@ -74,7 +74,7 @@ impl CoursePiece {
     }
 
     fn parameter(&self, share: f64) -> f64 {
-        let (start, end) = self.domain;
+        let [start, end] = self.domain;
         if share == 1.0 { end } else { start + share * (end - start) }
     }
 
@@ -155,7 +155,7 @@ impl Course {
     /// A closed chain of Bézier pieces, given by their homogeneous control points; piece `k` spans
     /// the parameters from `k` to `k + 1`.
     pub(crate) fn closed(pieces: impl Iterator<Item = Vec<DVec4>>) -> Self {
-        let piece = |(k, control)| CoursePiece { domain: (k as f64, (k + 1) as f64), control };
+        let piece = |(k, control)| CoursePiece { domain: [k as f64, (k + 1) as f64], control };
         let pieces: Vec<_> = pieces.enumerate().map(piece).collect();
         let points = pieces.iter().flat_map(|piece| &piece.control).map(|c| c.xyz() / c.w);
         let magnitude = points.map(|point| point.abs().max_element()).fold(0.0, f64::max);
@@ -166,8 +166,8 @@ impl Course {
     pub(crate) fn point_at(&self, t: f64) -> DVec3 {
         let last = self.pieces.len() - 1;
         let piece =
-            &self.pieces[self.pieces.partition_point(|piece| piece.domain.1 <= t).min(last)];
-        let (start, end) = piece.domain;
+            &self.pieces[self.pieces.partition_point(|piece| piece.domain[1] <= t).min(last)];
+        let [start, end] = piece.domain;
         piece.at((t - start) / (end - start))
     }
 

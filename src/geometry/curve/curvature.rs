@@ -123,7 +123,7 @@ mod tests {
             ] {
                 let uneven = weights.as_ref().is_some_and(|weights| weights.contains(&1e3));
                 let curve = NurbsCurve::new(knots.clone(), points.to_vec(), weights).unwrap();
-                let (start, end) = curve.domain();
+                let [start, end] = curve.domain();
                 for k in 0..=40 {
                     let t = start + (end - start) * f64::from(k) / 40.0;
                     let (bend, error) =

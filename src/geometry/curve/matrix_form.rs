@@ -265,7 +265,7 @@ mod tests {
     #[test]
     fn catmull_rom_and_hermite_meet_their_points_smoothly() {
         let spline = NurbsCurve::catmull_rom(&[G[0], G[1], G[2], G[3], DVec3::ZERO]).unwrap();
-        assert_eq!(spline.domain(), (0.0, 2.0));
+        assert_eq!(spline.domain(), [0.0, 2.0]);
         let knot = spline.derivatives(1.0);
         assert_eq!(knot.point, G[2]);
         let expected = 0.5 * (G[3] - G[1]);

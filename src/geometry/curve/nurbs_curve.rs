@@ -142,7 +142,7 @@ impl NurbsCurve {
     }
 
     /// The domain.
-    pub fn domain(&self) -> (f64, f64) {
+    pub fn domain(&self) -> [f64; 2] {
         self.knots.domain()
     }
 
@@ -211,7 +211,7 @@ impl NurbsCurve {
     /// # Errors
     /// When `t` is off the domain or would occur more than `p + 1` times.
     pub fn insert_knot(&self, t: f64, times: usize) -> Result<Self, CurveError> {
-        let (degree, (start, end)) = (self.knots.degree(), self.domain());
+        let (degree, [start, end]) = (self.knots.degree(), self.domain());
         let within = start <= t && t <= end; // false for NaN
         if !within {
             return Err(CurveError::Parameter { t, start, end });
@@ -237,7 +237,7 @@ impl NurbsCurve {
         self.restricted(self.domain())
     }
 
-    pub(crate) fn restricted(&self, range: (f64, f64)) -> Self {
+    pub(crate) fn restricted(&self, range: [f64; 2]) -> Self {
         let (knots, control) = restrict(&self.knots, &self.control, range);
         Self::assembled(knots, control)
     }
@@ -255,7 +255,7 @@ impl NurbsCurve {
     /// # Errors
     /// When `t` is not inside the domain.
     pub fn split(&self, t: f64) -> Result<(Self, Self), CurveError> {
-        let (start, end) = self.domain();
+        let [start, end] = self.domain();
         let inside = start < t && t < end; // false for NaN
         if !inside {
             return Err(CurveError::Parameter { t, start, end });
@@ -263,7 +263,7 @@ impl NurbsCurve {
         // Both parts are cut from one polygon, so that they agree where they meet.
         let missing = self.knots.degree().saturating_sub(self.knots.multiplicity(t));
         let whole = self.refined(&vec![t; missing]);
-        Ok((whole.restricted((start, t)), whole.restricted((t, end))))
+        Ok((whole.restricted([start, t]), whole.restricted([t, end])))
     }
 
     /// The same curve with its degree raised `times` times; clamped.

@@ -53,7 +53,7 @@ fn de_boor_finds_the_corrected_value_of_the_deck() {
 fn a_uniform_spline_has_the_lecture_s_values() {
     let points = plane(&[(2., 1.), (5., 2.), (6., 5.), (8., 6.), (5., 9.), (4., 7.), (1., 5.)]);
     let curve = NurbsCurve::new(KnotVector::uniform(3, 7).unwrap(), points, None).unwrap();
-    assert_eq!(curve.domain(), (3.0, 7.0));
+    assert_eq!(curve.domain(), [3.0, 7.0]);
     let cases = [
         (3.0, 14. / 3., 7. / 3.),
         (3.5, 263. / 48., 3.5),
@@ -133,7 +133,7 @@ fn odd_ends_are_clamped_without_moving_the_curve() {
             (0..knots.point_count()).map(|i| (i as f64, (3 * i % 7) as f64)).collect();
         let weights = (0..points.len()).map(|i| 1.0 + (i % 3) as f64).collect();
         let curve = NurbsCurve::new(knots, plane(&points), Some(weights)).unwrap();
-        let (start, end) = curve.domain();
+        let [start, end] = curve.domain();
         let others = [curve.clamped(), curve.bezier_form(), curve.elevated(1).unwrap()];
         for k in 0..=40 {
             let t = start + f64::from(k) * (end - start) / 40.0;
@@ -323,7 +323,7 @@ proptest! {
             .map(|&(x, y, w)| (w * scale * DVec3::new(x, y, 1.0)).extend(w))
             .collect();
         let curve = NurbsCurve::from_homogeneous(knots, control).unwrap();
-        let (start, end) = curve.domain();
+        let [start, end] = curve.domain();
         let bezier = curve.bezier_form();
         let elevated = curve.elevated(3).unwrap();
         let inserted = curve.insert_knot(0.5 * (start + end), 1).unwrap();

@@ -146,7 +146,7 @@ mod tests {
     fn closed_splines_are_smooth_at_their_seam() {
         for degree in 1..=5 {
             let curve = NurbsCurve::closed_bspline(degree, &points()).unwrap();
-            let (a, b) = curve.domain();
+            let [a, b] = curve.domain();
             assert_eq!(b - a, 7.0);
             let [start, end] = [a, b].map(|t| curve.derivatives(t));
             assert!(start.point.distance(end.point) < 1e-11);

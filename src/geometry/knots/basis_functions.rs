@@ -207,7 +207,7 @@ mod tests {
             KnotVector::uniform(4, 9).unwrap(),
             KnotVector::new(2, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.5, 2.0, 2.0, 2.0]).unwrap(),
         ] {
-            let (functions, (start, end)) = (BasisFunctions::from(&knots), knots.domain());
+            let (functions, [start, end]) = (BasisFunctions::from(&knots), knots.domain());
             for k in 0..=64 {
                 let t = start + f64::from(k) / 64.0 * (end - start);
                 let span = knots.basis(t, &mut values);

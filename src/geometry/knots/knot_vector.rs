@@ -199,8 +199,8 @@ impl KnotVector {
     }
 
     /// The domain `[tₚ, tₙ]`.
-    pub fn domain(&self) -> (f64, f64) {
-        (self.values[self.degree], self.values[self.point_count()])
+    pub fn domain(&self) -> [f64; 2] {
+        [self.values[self.degree], self.values[self.point_count()]]
     }
 
     /// Index `i` of the non-empty span that holds `t`: `tᵢ ≤ t < tᵢ₊₁`, the last span closed.
@@ -209,7 +209,7 @@ impl KnotVector {
     ///
     /// Parameters off the domain get its end spans, NaN the first.
     pub fn span(&self, t: f64) -> usize {
-        let (start, end) = self.domain();
+        let [start, end] = self.domain();
         let t = t.max(start); // `max` also turns NaN into `start`
         let inside = &self.values[self.degree + 1..self.point_count()];
         self.degree + inside.partition_point(|&knot| knot <= t && knot < end)
@@ -240,7 +240,7 @@ impl KnotVector {
     /// Whether both ends of the domain are knots of multiplicity `p + 1` and no knots lie
     /// outside, so that the spline begins and ends at its outermost control points.
     pub fn is_clamped(&self) -> bool {
-        let (start, end) = self.domain();
+        let [start, end] = self.domain();
         self.values[0] == start && self.values[self.values.len() - 1] == end
     }
 
@@ -262,7 +262,7 @@ impl KnotVector {
     /// knots are mirrored at 0 instead, which is exact: the domain becomes `[−b, −a]`.
     #[must_use]
     pub fn reversed(&self) -> Self {
-        let (a, b) = self.domain();
+        let [a, b] = self.domain();
         let mirror = |t: f64| if t == a { b } else { a + (b - t) };
         let values: Vec<f64> = self.values.iter().rev().map(|&t| mirror(t)).collect();
         let backwards: Vec<f64> = self.values.iter().rev().map(|t| -t).collect();
@@ -282,7 +282,7 @@ impl KnotVector {
     /// # Errors
     /// When the domain is empty or not finite, or too short for the knots to stay apart.
     pub fn on_domain(&self, start: f64, end: f64) -> Result<Self, KnotError> {
-        let (a, b) = self.domain();
+        let [a, b] = self.domain();
         if (start, end) == (a, b) {
             return Ok(self.clone());
         }

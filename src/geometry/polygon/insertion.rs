@@ -166,7 +166,7 @@ pub(crate) fn merged(old: &[f64], new: &[f64]) -> Vec<f64> {
 pub(crate) fn restrict(
     knots: &KnotVector,
     points: &[DVec4],
-    (start, end): (f64, f64),
+    [start, end]: [f64; 2],
 ) -> (KnotVector, Vec<DVec4>) {
     let p = knots.degree();
     let missing = |t| p.saturating_sub(knots.multiplicity(t));

@@ -263,7 +263,7 @@ mod tests {
     }
 
     fn stays_on_the_circle(curve: &NurbsCurve) {
-        let (start, end) = curve.domain();
+        let [start, end] = curve.domain();
         for k in 0..=200 {
             let t = start + (end - start) * f64::from(k) / 200.0;
             let point = curve.point_at(t);

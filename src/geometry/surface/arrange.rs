@@ -33,14 +33,14 @@ impl NurbsSurface {
         Self::assembled([self.knots_v().clone(), self.knots_u().clone()], control)
     }
 
-    /// The same surface with its parameters mapped linearly to another domain, `(start, end)` in u,
+    /// The same surface with its parameters mapped linearly to another domain, `[start, end]` in u,
     /// then in v, as [`domain`](Self::domain) gives it.
     ///
     /// # Errors
     /// When a domain is empty or not finite, too short or too long for a surface, or too short for
     /// the knots to stay apart.
-    pub fn on_domain(&self, domain: [(f64, f64); 2]) -> Result<Self, SurfaceError> {
-        let knots = |direction, (start, end)| {
+    pub fn on_domain(&self, domain: [[f64; 2]; 2]) -> Result<Self, SurfaceError> {
+        let knots = |direction, [start, end]: [f64; 2]| {
             let moved = self.knots(direction).on_domain(start, end);
             moved.map_err(|error| SurfaceError::Knots { direction, error })
         };

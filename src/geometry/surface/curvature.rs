@@ -87,7 +87,8 @@ mod tests {
             for (s, t) in inside() {
                 let at = |surface: &NurbsSurface| {
                     let [u, v] = surface.domain();
-                    surface.derivatives(DVec2::new(u.0 + s * (u.1 - u.0), v.0 + t * (v.1 - v.0)))
+                    surface
+                        .derivatives(DVec2::new(u[0] + s * (u[1] - u[0]), v[0] + t * (v[1] - v[0])))
                 };
                 assert_bends(&at(&sphere), [-1.0 / size; 2], size);
                 assert_bends(&at(&sphere.reversed_u()), [1.0 / size; 2], size);
@@ -128,7 +129,8 @@ mod tests {
         let moved = shapes::torus(3.0, 1.0).unwrap().transformed(&map).unwrap();
         for (s, t) in inside() {
             let [u, v] = moved.domain();
-            let at = moved.derivatives(DVec2::new(u.0 + s * (u.1 - u.0), v.0 + t * (v.1 - v.0)));
+            let at =
+                moved.derivatives(DVec2::new(u[0] + s * (u[1] - u[0]), v[0] + t * (v[1] - v[0])));
             // The distance from the axis decides the second curvature: n · (away from it) / it.
             let axis = map.matrix3 * DVec3::Z;
             let from_centre = at.point - map.translation;
@@ -139,7 +141,7 @@ mod tests {
         }
         let sphere = shapes::sphere(1.0).unwrap();
         let [u, v] = sphere.domain();
-        let ends = [(u.0, v.0), (u.0, v.1), (u.1, v.0), (u.1, v.1)];
+        let ends = [(u[0], v[0]), (u[0], v[1]), (u[1], v[0]), (u[1], v[1])];
         let poles = ends.map(|(u, v)| sphere.derivatives(DVec2::new(u, v)));
         assert!(poles.iter().all(|at| at.point.z.abs() < 1.0 || at.curvature().is_none()));
         assert!(poles.iter().any(|at| at.curvature().is_none()));

@@ -162,7 +162,7 @@ const UNSEEN: f64 = 1024.0 * f64::EPSILON;
 const NEAR: f64 = 1e-6;
 
 /// The direction from `t` into a domain: ±1 at its ends, 0 inside.
-fn side(t: f64, (start, end): (f64, f64)) -> f64 {
+fn side(t: f64, [start, end]: [f64; 2]) -> f64 {
     if t <= start {
         1.0
     } else if t >= end {
@@ -173,7 +173,7 @@ fn side(t: f64, (start, end): (f64, f64)) -> f64 {
 }
 
 /// The end of the domain that is within `NEAR` of `t`, or `t` itself if neither is.
-fn near_end(t: f64, (start, end): (f64, f64)) -> f64 {
+fn near_end(t: f64, [start, end]: [f64; 2]) -> f64 {
     let near = NEAR * (end - start);
     if t - start <= near {
         start

@@ -13,7 +13,7 @@ impl NurbsSurface {
     /// When `t` is off the domain.
     pub fn curve_at(&self, fixed: Direction, t: f64) -> Result<NurbsCurve, SurfaceError> {
         let (across, along) = (self.knots(fixed), self.knots(fixed.other()));
-        let (start, end) = across.domain();
+        let [start, end] = across.domain();
         let within = start <= t && t <= end; // false for NaN
         if !within {
             return Err(SurfaceError::Parameter { direction: fixed, t, start, end });

@@ -23,7 +23,7 @@ fn stretched(surface: &NurbsSurface, by_u: f64, by_v: f64) -> NurbsSurface {
 }
 
 /// Parameters at both ends of a domain, closer and closer to them, and between.
-fn to_the_ends((a, b): (f64, f64)) -> impl Iterator<Item = f64> {
+fn to_the_ends([a, b]: [f64; 2]) -> impl Iterator<Item = f64> {
     let inside = [0.0, 1e-300, 1e-17, 1e-15, 1e-13, 1e-11, 1e-9, 1e-6, 1e-3, 0.3, 0.5, 0.87];
     inside.into_iter().flat_map(move |s| [a + s * (b - a), b - s * (b - a)])
 }
@@ -189,7 +189,7 @@ fn no_length_is_too_long() {
         let points = [0.0, 1.0, 1.2].into_iter().flat_map(row).collect();
         let [knots_u, knots_v] = knots();
         let flat = NurbsSurface::new(knots_u, knots_v, points, None).unwrap();
-        let flat = flat.on_domain([(0.0, length), (0.0, 1.0)]).unwrap();
+        let flat = flat.on_domain([[0.0, length], [0.0, 1.0]]).unwrap();
         for u in [0.0, 0.5 * length, length] {
             assert_eq!(
                 flat.normal(DVec2::new(u, 0.4)),

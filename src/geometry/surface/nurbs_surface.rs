@@ -179,7 +179,7 @@ impl NurbsSurface {
     }
 
     /// The domain in u and in v.
-    pub fn domain(&self) -> [(f64, f64); 2] {
+    pub fn domain(&self) -> [[f64; 2]; 2] {
         [self.knots[0].domain(), self.knots[1].domain()]
     }
 }
@@ -204,7 +204,7 @@ impl Extent {
 /// Checks a domain's length: derivatives are sizes over such lengths, and their squares must be
 /// finite.
 pub(super) fn check_domain(direction: Direction, knots: &KnotVector) -> Result<(), SurfaceError> {
-    let (start, end) = knots.domain();
+    let [start, end] = knots.domain();
     if (MIN_MAGNITUDE..=MAX_MAGNITUDE).contains(&(end - start)) {
         return Ok(());
     }

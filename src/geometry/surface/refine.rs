@@ -36,7 +36,7 @@ impl NurbsSurface {
         times: usize,
     ) -> Result<Self, SurfaceError> {
         let knots = self.knots(direction);
-        let (degree, (start, end)) = (knots.degree(), knots.domain());
+        let (degree, [start, end]) = (knots.degree(), knots.domain());
         let within = start <= t && t <= end; // false for NaN
         if !within {
             return Err(SurfaceError::Parameter { direction, t, start, end });
@@ -122,18 +122,18 @@ impl NurbsSurface {
 
     /// The parts before and after a parameter: see [`split_u`](Self::split_u).
     pub(crate) fn split(&self, direction: Direction, t: f64) -> Result<(Self, Self), SurfaceError> {
-        let (start, end) = self.knots(direction).domain();
+        let [start, end] = self.knots(direction).domain();
         let inside = start < t && t < end; // false for NaN
         if !inside {
             return Err(SurfaceError::Parameter { direction, t, start, end });
         }
         // Both parts are cut from one net, so that they agree on their common edge.
-        let clamped = self.restricted(direction, (start, end));
+        let clamped = self.restricted(direction, [start, end]);
         let knots = clamped.knots(direction);
         let missing = knots.degree().saturating_sub(knots.multiplicity(t));
         let whole = clamped.refined(direction, &vec![t; missing]);
-        let below = whole.restricted(direction, (start, t));
-        let above = whole.restricted(direction, (t, end));
+        let below = whole.restricted(direction, [start, t]);
+        let above = whole.restricted(direction, [t, end]);
         for part in [&below, &above] {
             check_domain(direction, part.knots(direction))?;
             part.check_extent()?;
@@ -177,7 +177,7 @@ impl NurbsSurface {
     }
 
     /// The part of the surface between two parameters of its domain, clamped there.
-    pub(crate) fn restricted(&self, direction: Direction, range: (f64, f64)) -> Self {
+    pub(crate) fn restricted(&self, direction: Direction, range: [f64; 2]) -> Self {
         let knots = self.knots(direction);
         let (to, _) = restrict(knots, &vec![DVec4::W; knots.point_count()], range);
         self.with_lines(direction, to, |line| restrict(knots, line, range).1)

@@ -16,7 +16,7 @@ fn magnitude(surface: &NurbsSurface) -> f64 {
 }
 
 /// Parameters over a domain: its ends, and places between that are no knots.
-fn samples((a, b): (f64, f64)) -> Vec<f64> {
+fn samples([a, b]: [f64; 2]) -> Vec<f64> {
     let at = |s: f64| (a + s * (b - a)).clamp(a, b);
     [0.0, 0.013, 0.207, 0.391, 0.483, 0.629, 0.777, 0.92, 0.999, 1.0].map(at).to_vec()
 }
@@ -88,7 +88,7 @@ proptest! {
 
     #[test]
     fn nothing_moves_a_surface(s in surfaces(1..=5), at in 0.0..1.0_f64, times in 1..5_usize) {
-        let [(a, b), (c, d)] = s.domain();
+        let [[a, b], [c, d]] = s.domain();
         let (u, v) = (a + at * (b - a), c + at * (d - c));
         stays(&s, &s.clamped(), |u, v| (u, v));
         stays(&s, &s.bezier_form(), |u, v| (u, v));
@@ -105,17 +105,17 @@ proptest! {
 
     #[test]
     fn halves_are_the_whole_and_share_their_edge(s in surfaces(1..=5), at in 0.1..0.9_f64) {
-        let [(a, b), (c, d)] = s.domain();
+        let [[a, b], [c, d]] = s.domain();
         let (u, v) = (a + at * (b - a), c + at * (d - c));
         let (below, above) = s.split_u(u).unwrap();
-        prop_assert_eq!((below.domain()[0], above.domain()[0]), ((a, u), (u, b)));
+        prop_assert_eq!((below.domain()[0], above.domain()[0]), ([a, u], [u, b]));
         stays(&above, &s, |u, v| (u, v));
         let (n, _) = below.size();
         for j in 0..below.size().1 {
             prop_assert_eq!(below.homogeneous(n - 1, j), above.homogeneous(0, j));
         }
         let (below, above) = s.split_v(v).unwrap();
-        prop_assert_eq!((below.domain()[1], above.domain()[1]), ((c, v), (v, d)));
+        prop_assert_eq!((below.domain()[1], above.domain()[1]), ([c, v], [v, d]));
         stays(&above, &s, |u, v| (u, v));
         let (_, n) = below.size();
         for i in 0..below.size().0 {
@@ -148,7 +148,7 @@ proptest! {
 
     #[test]
     fn nothing_moves_a_surface_of_high_degree(s in surfaces(12..=24), at in 0.1..0.9_f64) {
-        let (a, b) = s.domain()[0];
+        let [a, b] = s.domain()[0];
         let u = a + at * (b - a);
         stays(&s, &s.clamped(), |u, v| (u, v));
         stays(&s, &s.bezier_form(), |u, v| (u, v));

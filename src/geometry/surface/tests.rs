@@ -179,8 +179,8 @@ fn what_is_exact_stays_exact() {
 fn domains_are_moved_with_their_knots() {
     let u = KnotVector::new(2, vec![0.0, 0.0, 0.0, 0.25, 1.0, 1.0, 1.0]).unwrap();
     let surface = NurbsSurface::new(u, knots(1, 3), net(4, 3), None).unwrap();
-    let moved = surface.on_domain([(-2.0, 6.0), (10.0, 11.0)]).unwrap();
-    assert_eq!(moved.domain(), [(-2.0, 6.0), (10.0, 11.0)]);
+    let moved = surface.on_domain([[-2.0, 6.0], [10.0, 11.0]]).unwrap();
+    assert_eq!(moved.domain(), [[-2.0, 6.0], [10.0, 11.0]]);
     assert_eq!(moved.control(), surface.control());
     for (u, v) in [(0.0, 0.0), (0.125, 0.5), (0.25, 0.75), (1.0, 1.0)] {
         assert_eq!(
@@ -191,11 +191,11 @@ fn domains_are_moved_with_their_knots() {
     assert_eq!(surface.on_domain(surface.domain()), Ok(surface.clone()));
     let message = |domain| surface.on_domain(domain).unwrap_err().to_string();
     assert_eq!(
-        message([(0.0, 1.0), (2.0, 1.0)]),
+        message([[0.0, 1.0], [2.0, 1.0]]),
         "direction v: the domain goes from 2 to 1: its length must be positive and finite"
     );
     assert_eq!(
-        message([(0.0, 1e80), (0.0, 1.0)]),
+        message([[0.0, 1e80], [0.0, 1.0]]),
         "direction u: the domain runs from 0 to 1e80: lengths from 1e-70 to 1e70 are supported"
     );
 }

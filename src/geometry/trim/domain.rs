@@ -49,7 +49,7 @@ impl TrimDomain {
     /// When the surface's parameters go beyond 10¹⁰⁰.
     pub fn of(surface: &NurbsSurface) -> Result<Self, TrimError> {
         let [u, v] = surface.domain();
-        Self::new([u.0, u.1], [v.0, v.1])
+        Self::new(u, v)
     }
 
     /// The domain of a surface, periodic where the surface

@@ -239,7 +239,7 @@ fn pieces_may_be_shorter_than_gaps() {
 /// Curves that run up a cone to its tip at u = 0.7 and down from it at u = 0.2, as fractions of the
 /// domain; `off` is how far from the tip they end.
 fn up_and_down(cone: &NurbsSurface, off: f64) -> [TrimCurve; 3] {
-    let [(u0, u1), (v0, v1)] = cone.domain();
+    let [[u0, u1], [v0, v1]] = cone.domain();
     let at = |(u, v)| DVec2::new(u0 + u * (u1 - u0), v0 + v * (v1 - v0));
     let line = |from, to| TrimCurve::line(at(from), at(to)).unwrap();
     [
@@ -253,7 +253,7 @@ fn up_and_down(cone: &NurbsSurface, off: f64) -> [TrimCurve; 3] {
 #[test]
 fn a_gap_along_a_pole_is_none() {
     let cone = shapes::cone(1.0, 2.0).unwrap();
-    let [(u0, u1), (v0, v1)] = cone.domain();
+    let [[u0, u1], [v0, v1]] = cone.domain();
     let domain = TrimDomain::with_seams_of(&cone).unwrap();
     for off in [0.0, 1e-15, 1e-7, 5e-5, -5e-5] {
         let curves = up_and_down(&cone, off);

@@ -74,7 +74,7 @@ impl TrimmedSurface {
     pub fn kept_curves(&self, fixed: Direction, at: f64) -> Result<Vec<NurbsCurve>, SurfaceError> {
         let whole = self.surface().curve_at(fixed, at)?;
         let kept = self.trims().kept_along(fixed, at).into_iter();
-        Ok(kept.map(|[from, to]| whole.restricted((from, to))).collect())
+        Ok(kept.map(|range| whole.restricted(range)).collect())
     }
 }
 
@@ -92,7 +92,7 @@ impl Pieces {
     fn new(surface: &NurbsSurface) -> Self {
         let form = surface.bezier_form();
         let lines = [form.knots_u(), form.knots_v()].map(|knots| {
-            let (_, end) = knots.domain();
+            let [_, end] = knots.domain();
             knots.spans().map(|span| span.start).chain([end]).collect()
         });
         let largest = |point: DVec3| point.abs().max_element();
@@ -201,7 +201,7 @@ mod tests {
     }
 
     fn samples(curve: &NurbsCurve) -> Vec<DVec3> {
-        let (start, end) = curve.domain();
+        let [start, end] = curve.domain();
         (0..=200).map(|k| curve.point_at(start + f64::from(k) / 200.0 * (end - start))).collect()
     }
 
@@ -244,7 +244,7 @@ mod tests {
     #[test]
     fn what_has_the_same_on_both_sides_is_no_edge() {
         let cylinder = shapes::cylinder(2.0, 3.0).unwrap();
-        let [(u0, u1), (v0, v1)] = cylinder.domain();
+        let [[u0, u1], [v0, v1]] = cylinder.domain();
         for shift in [0.0, 0.25, -0.5, 3.0] {
             let low = u0 + shift * (u1 - u0);
             let at = |u: f64, v: f64| DVec2::new(low + u * (u1 - u0), v0 + v * (v1 - v0));
@@ -255,7 +255,7 @@ mod tests {
             let is_cut = shift.fract() != 0.0;
             assert_eq!(edges.len(), if is_cut { 4 } else { 2 }, "{shift}");
             for edge in edges {
-                let (start, end) = edge.domain();
+                let [start, end] = edge.domain();
                 let heights =
                     [0.0, 0.3, 0.8, 1.0].map(|t| edge.point_at(start + t * (end - start)).z);
                 let flat = heights.iter().all(|z| (z - heights[0]).abs() < 1e-14);
@@ -268,7 +268,7 @@ mod tests {
             // The seam, if it runs through the part, cuts its edge in two.
             assert_eq!(edges.len(), if is_cut { 2 } else { 1 }, "{shift}");
             let steep = edges.into_iter().any(|edge| {
-                let (start, end) = edge.domain();
+                let [start, end] = edge.domain();
                 let middle = edge.point_at(0.5 * (start + end)).z;
                 (0..=100).any(|k| {
                     let z = edge.point_at(start + f64::from(k) / 100.0 * (end - start)).z;
@@ -368,7 +368,7 @@ mod tests {
 
         // A hole across the seam of a cylinder: the loop comes twice, and each copy is cut once.
         let cylinder = shapes::cylinder(2.0, 3.0).unwrap();
-        let [(u0, u1), (v0, v1)] = cylinder.domain();
+        let [[u0, u1], [v0, v1]] = cylinder.domain();
         let center = DVec2::new(u0, 0.5 * (v0 + v1));
         let hole = TrimLoop::circle(center, 0.1 * (u1 - u0)).unwrap();
         let edges = trimmed(cylinder, &[hole]).edge_curves().unwrap();

@@ -61,14 +61,14 @@ mod tests {
     #[test]
     fn an_edge_is_the_image_of_its_curve() {
         let sphere = shapes::sphere(2.0).unwrap();
-        let [(u0, u1), (v0, v1)] = sphere.domain();
+        let [[u0, u1], [v0, v1]] = sphere.domain();
         let center = DVec2::new(0.5 * (u0 + u1), 0.3 * v0 + 0.7 * v1);
         let circle = TrimLoop::circle(center, 0.25).unwrap();
         let domain = TrimDomain::with_seams_of(&sphere).unwrap();
         let trims = Trims::new(domain, Kept::Even, &[circle]).unwrap();
         let edges = TrimmedSurface::new(sphere.clone(), trims).unwrap().edges().unwrap();
         assert_eq!(edges.len(), 1);
-        let (start, end) = edges[0].curve().domain();
+        let [start, end] = edges[0].curve().domain();
         for k in 0..=500 {
             let t = start + f64::from(k) / 500.0 * (end - start);
             let [uv, along] = edges[0].uv_at(t);

@@ -58,7 +58,7 @@ impl TrimmedSurface {
     #[must_use]
     pub fn reversed_u(&self) -> Self {
         let surface = self.surface.reversed_u();
-        let [(start, end), _] = surface.domain(); // a new one if knots are very close together
+        let [[start, end], _] = surface.domain(); // a new one if knots are very close together
         let trims = Arc::new(self.trims.reversed_u([start, end]));
         Self { surface, trims }
     }

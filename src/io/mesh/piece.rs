@@ -190,7 +190,7 @@ fn sum(values: &[f64], points: &[DVec4]) -> DVec4 {
 /// Cuts a surface at the creases of one direction.
 fn cut(surface: NurbsSurface, direction: Direction) -> Result<Vec<NurbsSurface>, MeshError> {
     let knots = surface.knots(direction);
-    let (degree, start) = (knots.degree(), knots.domain().0);
+    let (degree, start) = (knots.degree(), knots.domain()[0]);
     let creases: Vec<f64> = knots
         .spans()
         .map(|span| span.start)

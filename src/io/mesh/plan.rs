@@ -259,7 +259,7 @@ impl Plan {
         probes: usize,
     ) -> Vec<CellSide> {
         let knots = piece.knots(direction);
-        let (start, end) = knots.domain();
+        let [start, end] = knots.domain();
         let mut sides = Vec::new();
         for number in spans {
             let span = &self.spans[direction][number];

@@ -6,7 +6,7 @@ use crate::io::read_scene;
 fn written(text: &str) -> PovrayScene {
     let scene = read_scene(text, "test.toml", &mut |_, _, _| unreachable!()).unwrap();
     let world = World::new(&scene).unwrap();
-    povray_scene(&scene, &world, (200, 100), 0.01)
+    povray_scene(&scene, &world, [200, 100], 0.01)
 }
 
 /// The numbers of the only `what <…>` in a text.
@@ -118,7 +118,7 @@ shape = { sphere = { radius = 2 } }
     let text = format!("{sheet}{others}{PLANE}");
     let scene = read_scene(&text, "test.toml", &mut |_, _, _| unreachable!()).unwrap();
     let world = World::new(&scene).unwrap();
-    let povray = povray_scene(&scene, &world, (200, 100), 0.01);
+    let povray = povray_scene(&scene, &world, [200, 100], 0.01);
     let names: Vec<&str> = povray.written.iter().map(|&k| &*world.surfaces[k].name).collect();
     assert_eq!(names, ["sail", "ball", "table"]);
     let body = |name: &str| {
@@ -211,7 +211,7 @@ fn patches_that_would_be_split_without_end_are_refused() {
     let text = "[[object]]\nshape = \"lecture_patch_2\"\n";
     let scene = read_scene(text, "test.toml", &mut |_, _, _| unreachable!()).unwrap();
     let world = World::new(&scene).unwrap();
-    let fine = povray_scene(&scene, &world, (9, 9), 1e-12);
+    let fine = povray_scene(&scene, &world, [9, 9], 1e-12);
     let message = fine.skipped[0].reason.to_string();
     assert!(message.starts_with("to be so flat its patches need 2"), "{message}");
     assert!(message.contains(" halvings each way: at most 10, "), "{message}");

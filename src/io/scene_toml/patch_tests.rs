@@ -246,7 +246,7 @@ fn nets_and_iso_curves_of_cages_and_triangles_lie_on_them() {
     let on_cage = thin("of = 'box', u = [0.5, 12], v = [0.25], radius = 1e-3");
     let world = World::new(&scene(&format!("{cage}{on_cage}"))).unwrap();
     let surface = &world.surfaces[0].surface;
-    let lines_of_cage: Vec<_> = surface.domain().iter().map(|range| range.1).collect();
+    let lines_of_cage: Vec<_> = surface.domain().iter().map(|range| range[1]).collect();
     assert_eq!(lines_of_cage, [12.0, 1.0]);
     let grid: Vec<DVec3> = (0..12 * 65 * 65)
         .map(|k| {
@@ -256,7 +256,7 @@ fn nets_and_iso_curves_of_cages_and_triangles_lie_on_them() {
         })
         .collect();
     for tube in world.surfaces[1..].iter().filter(|one| one.name.starts_with("l/tube")) {
-        let [(u0, u1), (v0, v1)] = tube.surface.domain();
+        let [[u0, u1], [v0, v1]] = tube.surface.domain();
         let at = |s: f64, t: f64| {
             tube.surface.point_at(DVec2::new(u0 + s * (u1 - u0), v0 + t * (v1 - v0)))
         };
@@ -281,8 +281,8 @@ fn nets_and_iso_curves_of_cages_and_triangles_lie_on_them() {
         for k in 0..81 {
             let at = DVec2::new(f64::from(k / 9) / 8.0, f64::from(k % 9) / 8.0);
             let domain = tube.surface.domain();
-            let low = DVec2::new(domain[0].0, domain[1].0);
-            let size = DVec2::new(domain[0].1, domain[1].1) - low;
+            let low = DVec2::new(domain[0][0], domain[1][0]);
+            let size = DVec2::new(domain[0][1], domain[1][1]) - low;
             let off = tube.surface.point_at(low + at * size).length() - 1.0;
             assert!(off.abs() <= 1e-2 + tube.deviation + 1e-12, "{}: {off}", tube.name);
         }

@@ -207,8 +207,8 @@ impl Reader<'_, '_> {
             ));
         }
         let size = keys.size.map(|size| self.written(size, |size| size.0.map(|side| side.0)));
-        if let Some(Written { value: [width, height], place }) = &size {
-            RenderDefaults::check_size((*width, *height))
+        if let Some(Written { value, place }) = &size {
+            RenderDefaults::check_size(*value)
                 .map_err(|error| SceneError::new(place.clone(), SceneFault::Picture(error)))?;
         }
         let columns = keys.columns.map(|columns| self.written(columns, |columns| columns as usize));

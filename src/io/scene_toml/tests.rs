@@ -82,7 +82,7 @@ fn the_long_example_says_what_it_means() {
     assert_eq!(scene.camera.look_from, Some(look_from));
     let fov = Some(Written::new(30.0, place(8, 23)));
     assert_eq!(scene.camera.lens, Lens::Perspective { fov });
-    assert_eq!(scene.settings, RenderDefaults { size: (800, 600), spp: 16, ..Default::default() });
+    assert_eq!(scene.settings, RenderDefaults { size: [800, 600], spp: 16, ..Default::default() });
     assert_eq!(
         scene.lights[1],
         Light::Point { position: DVec3::new(3.0, -2.0, 5.0), intensity: [20.0, 18.0, 15.0] }

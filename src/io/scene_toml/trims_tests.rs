@@ -208,7 +208,7 @@ fn trim_edges_and_iso_curves_are_drawn_where_the_surface_is() {
     let world = made("shape.trim_curves = { of = 's', radius = 0.1 }").unwrap();
     assert_eq!(world.surfaces.len(), 2);
     let tube = &world.surfaces[1];
-    let [(u0, u1), (v0, v1)] = tube.surface.domain();
+    let [[u0, u1], [v0, v1]] = tube.surface.domain();
     for k in 0..100 {
         let (s, t) = (f64::from(k % 10) / 9.0, f64::from(k / 10) / 9.0);
         let point = tube.surface.point_at((u0 + s * (u1 - u0), v0 + t * (v1 - v0)).into());
@@ -219,7 +219,7 @@ fn trim_edges_and_iso_curves_are_drawn_where_the_surface_is() {
     // From end to end of the disk, round caps included.
     let world = made("shape.iso_curves = { of = 's', u = [0.5], radius = 0.1 }").unwrap();
     let reach = world.surfaces[1..].iter().flat_map(|one| {
-        let [(u0, u1), (v0, v1)] = one.surface.domain();
+        let [[u0, u1], [v0, v1]] = one.surface.domain();
         [(u0, v0), (u0, v1), (u1, v0), (u1, v1)].map(|at| one.surface.point_at(at.into()).y.abs())
     });
     let reach = reach.fold(0.0, f64::max);

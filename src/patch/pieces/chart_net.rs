@@ -351,7 +351,7 @@ impl ChartNet {
 
 /// The data of pieces, by the index of their first point.
 fn piece_spans(knots: &KnotVector, border: [bool; 2], open_end: bool) -> Vec<PieceSpan> {
-    let (start, end) = knots.domain();
+    let [start, end] = knots.domain();
     let jumps = |t: f64| knots.multiplicity(t) > knots.degree();
     let mut spans = vec![PieceSpan::default(); knots.point_count()];
     let count = knots.spans().count() as u32;

@@ -80,7 +80,7 @@ impl Material {
     ///
     /// Parameters off the domain take the colour of its nearest border; NaN that of its start.
     /// The domain is only asked for where the colour depends on the place.
-    pub fn albedo(&self, uv: DVec2, domain: impl FnOnce() -> [(f64, f64); 2]) -> Rgb {
+    pub fn albedo(&self, uv: DVec2, domain: impl FnOnce() -> [[f64; 2]; 2]) -> Rgb {
         let place = || {
             let [u, v] = domain();
             [share(uv.x, u), share(uv.y, v)]
@@ -102,7 +102,7 @@ impl Material {
 }
 
 /// Where `t` lies in a domain, as a share of it in [0, 1].
-pub(crate) fn share(t: f64, (start, end): (f64, f64)) -> f64 {
+pub(crate) fn share(t: f64, [start, end]: [f64; 2]) -> f64 {
     let share = (t - start) / (end - start);
     if share > 0.0 { share.min(1.0) } else { 0.0 } // NaN too
 }
@@ -124,7 +124,7 @@ fn near_line(share: f64, count: u32, width: f64) -> bool {
 mod tests {
     use super::*;
 
-    const DOMAIN: [(f64, f64); 2] = [(-1.0, 3.0), (0.0, 2.0)];
+    const DOMAIN: [[f64; 2]; 2] = [[-1.0, 3.0], [0.0, 2.0]];
     const A: Rgb = [1.0, 0.0, 0.0];
     const B: Rgb = [0.0, 0.0, 1.0];
 

@@ -150,7 +150,7 @@ impl Checker<'_> {
     /// A curve whose domain holds `t`.
     fn curve_with(&self, curve: &CurveSpec, t: &Written<f64>) -> Result<PlottedCurve, SceneError> {
         let curve = self.curve("curve", curve)?;
-        let (start, end) = curve.knots().domain();
+        let [start, end] = curve.knots().domain();
         if (start..=end).contains(&t.value) {
             return Ok(curve);
         }

@@ -62,7 +62,7 @@ impl PlottedSurface {
             .collect::<Result<Vec<Vec<LoopCurve>>, _>>()?;
         if reversed {
             // Like the surface's own trims: a point at u is then as far from the other end.
-            let ([(start, _), _], [(_, end), _]) = (surface.domain(), surface.reversed().domain());
+            let ([[start, _], _], [[_, end], _]) = (surface.domain(), surface.reversed().domain());
             let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
             let mirror = DAffine3::from_mat3_translation(mirror, (start + end) * DVec3::X);
             for (index, (one, written)) in loops.iter_mut().zip(&trims.loops).enumerate() {

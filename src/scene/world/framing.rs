@@ -129,7 +129,7 @@ fn chart_samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
     let (us, vs) = (surface.knots_u(), surface.knots_v());
     let bounds = match &chart.trims {
         Some(trims) => trims.bounds(),
-        None => UvBox::new(us.domain().into(), vs.domain().into()),
+        None => UvBox::new(us.domain(), vs.domain()),
     };
     let [uneven_u, uneven_v] = uneven_weights(surface);
     let us = parameters((us, uneven_u), across, [bounds.min.x, bounds.max.x]);

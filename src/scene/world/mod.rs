@@ -171,7 +171,7 @@ impl<'a> Placed<'a> {
             let fault = SceneFault::Empty { notes: scene.notes.clone() };
             return Err(SceneError::new(scene.place.clone(), fault));
         };
-        let (width, height) = scene.settings.size;
+        let [width, height] = scene.settings.size;
         let aspect = f64::from(width) / f64::from(height);
         let camera = scene.camera.camera(sphere, aspect).map_err(|error| {
             SceneError::new(scene.camera.blame(&error).clone(), SceneFault::Camera(error))

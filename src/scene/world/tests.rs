@@ -351,7 +351,7 @@ fn a_camera_is_found_that_shows_everything_at_every_size() {
             // Every ray through the picture's border passes the sphere by, but not by far.
             let center = DVec3::new(5.0 * size, 0.0, 0.0);
             for width in [300, 1000, 1700] {
-                scene.settings.size = (width, 1000);
+                scene.settings.size = [width, 1000];
                 let world = World::new(&scene).unwrap();
                 let aspect = f64::from(width) / 1000.0;
                 for film in [(0.0, 0.5), (1.0, 0.5), (0.5, 0.0), (0.5, 1.0)] {

@@ -65,7 +65,7 @@ impl FromStr for IntegratorKind {
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderDefaults {
     /// Width and height in pixels.
-    pub size: (u32, u32),
+    pub size: [u32; 2],
     /// Samples a pixel.
     pub spp: u32,
     /// How radiance is found.
@@ -134,7 +134,7 @@ impl RenderDefaults {
     ///
     /// # Errors
     /// When a side has no pixels, or absurdly many.
-    pub fn check_size((width, height): (u32, u32)) -> Result<(), PictureError> {
+    pub fn check_size([width, height]: [u32; 2]) -> Result<(), PictureError> {
         if width == 0 || height == 0 {
             return Err(PictureError::NoPixels { width, height });
         }
@@ -148,7 +148,7 @@ impl RenderDefaults {
 impl Default for RenderDefaults {
     fn default() -> Self {
         Self {
-            size: (800, 600),
+            size: [800, 600],
             spp: 16,
             integrator: IntegratorKind::default(),
             seed: 0,
@@ -171,14 +171,14 @@ mod tests {
     #[test]
     fn absurd_pictures_are_refused() {
         let check = |size, spp| RenderDefaults { size, spp, ..RenderDefaults::default() }.check();
-        assert_eq!(check((65_536, 65_536), 1), Ok(())); // in parts
+        assert_eq!(check([65_536, 65_536], 1), Ok(())); // in parts
         let message = |size, spp| check(size, spp).unwrap_err().to_string();
-        assert_eq!(message((0, 600), 1), "size 0x600: a picture needs at least one pixel each way");
+        assert_eq!(message([0, 600], 1), "size 0x600: a picture needs at least one pixel each way");
         assert_eq!(
-            message((u32::MAX, 1), 1),
+            message([u32::MAX, 1], 1),
             "size 4294967295x1: a side of a picture has at most 65536 pixels"
         );
-        assert_eq!(message((1, 1), 0), "spp 0: a picture needs at least one sample a pixel");
+        assert_eq!(message([1, 1], 0), "spp 0: a picture needs at least one sample a pixel");
         let dark = RenderDefaults { exposure: f64::NEG_INFINITY, ..RenderDefaults::default() };
         assert_eq!(dark.check().unwrap_err().to_string(), "exposure -inf: stops must be finite");
     }

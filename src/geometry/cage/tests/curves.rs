@@ -24,7 +24,7 @@ fn lines_run_where_there_are_patches_and_nowhere_else() {
                             Direction::V => ([along, at], unit as f64 + along),
                         };
                         let on = |curve: &&NurbsCurve| {
-                            (curve.domain().0..=curve.domain().1).contains(&t)
+                            (curve.domain()[0]..=curve.domain()[1]).contains(&t)
                         };
                         let ours = curves.iter().find(on).map(|curve| curve.point_at(t));
                         let theirs = probe.point(unit, place).map(|(point, _)| point);

@@ -17,7 +17,7 @@ fn a_sheet_is_the_uniform_biquadratic_spline() {
         let points = (0..nu * nv).map(|k| at(k / nv, k % nv)).collect();
         let knots = |n| KnotVector::uniform(2, n).unwrap();
         let spline = NurbsSurface::new(knots(nu), knots(nv), points, None).unwrap();
-        let low = spline.domain().map(|(low, _)| low);
+        let low = spline.domain().map(|[low, _]| low);
         for unit in 0..(nu - 1) * (nv - 1) {
             let (i, j) = ((unit / (nv - 1)) as f64, (unit % (nv - 1)) as f64);
             for k in 0..25 {

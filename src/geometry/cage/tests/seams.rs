@@ -23,7 +23,7 @@ fn limits(tolerance: f64) -> Vec<(String, Cage, LimitSurface)> {
 
 /// A point on a side of a patch, at a fraction of the side.
 fn on_side(surface: &NurbsSurface, side: RectSide, share: f64) -> DVec3 {
-    let domain = surface.domain().map(|(from, to)| [from, to]);
+    let domain = surface.domain();
     let [from, to] = domain[side.along()];
     let [u, v] = side.fixed().pair(side.value_in(&domain), from + share * (to - from));
     surface.point_at(DVec2::new(u, v))
@@ -90,13 +90,13 @@ fn surfaces_are_their_charts() {
         let units: usize = (0..cage.face_count())
             .map(|face| cage.face(face).map_or(0, |f| if f.len() == 4 { 1 } else { f.len() }))
             .sum();
-        assert_eq!(plain.domain(), [(0.0, units as f64), (0.0, 1.0)]);
+        assert_eq!(plain.domain(), [[0.0, units as f64], [0.0, 1.0]]);
         let moved = plain.transformed(&map).unwrap();
         for (surface, map) in [(&plain, DAffine3::IDENTITY), (&moved, map)] {
             for chart in surface.charts() {
                 let [u, v] = chart.surface.domain();
                 for (s, t) in [(0.0, 0.0), (0.3, 0.8), (1.0, 0.5), (0.6, 1.0), (1.0, 1.0)] {
-                    let at = DVec2::new(u.0 + s * (u.1 - u.0), v.0 + t * (v.1 - v.0));
+                    let at = DVec2::new(u[0] + s * (u[1] - u[0]), v[0] + t * (v[1] - v[0]));
                     let uv = chart.uv(at);
                     let (a, b) = (chart.surface.derivatives(at), surface.derivatives(uv));
                     let near = |a: DVec3, b: DVec3, bound: f64| {

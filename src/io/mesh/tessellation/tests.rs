@@ -90,7 +90,7 @@ fn trimmed_surfaces_keep_their_area_and_no_point_of_a_hole() {
 
     // A band cut out of a curved surface: half of it is left, within its tolerance.
     let cylinder = shapes::cylinder(1.0, 3.0).unwrap();
-    let [(u0, u1), (v0, v1)] = cylinder.domain();
+    let [[u0, u1], [v0, v1]] = cylinder.domain();
     let v = |share: f64| v0 + share * (v1 - v0);
     let band = [(u0, 0.25), (u1, 0.25), (u1, 0.75), (u0, 0.75)];
     let band = TrimLoop::polygon(&band.map(|(u, share)| DVec2::new(u, v(share)))).unwrap();
@@ -130,7 +130,7 @@ fn kept_area(cells: usize, loops: &[TrimLoop]) -> f64 {
     });
     let sheet = NurbsSurface::new(knots(), knots(), points.collect(), None).unwrap();
     let [u, v] = sheet.domain();
-    assert_eq!([u, v], [(0.0, 1.0); 2]);
+    assert_eq!([u, v], [[0.0, 1.0]; 2]);
     let domain = TrimDomain::with_seams_of(&sheet).unwrap();
     let trims = Trims::new(domain, Kept::Even, loops).unwrap();
     let made = Tessellation::to_tolerance(&[holed(sheet, loops)], 1e-4).unwrap();
@@ -341,7 +341,7 @@ fn surfaces_have_no_gaps_inside_and_none_at_their_seams() {
             let [u, v] = surface.domain();
             let made = Tessellation::to_tolerance(&[surface], fraction).unwrap();
             for [a, b] in open_edges(&made.meshes()[0]) {
-                let at = |(start, end), a, b| a == b && (a == start || a == end);
+                let at = |[start, end]: [f64; 2], a, b| a == b && (a == start || a == end);
                 assert!(at(u, a.x, b.x) || at(v, a.y, b.y), "{fraction}: {a} to {b}");
             }
         }
