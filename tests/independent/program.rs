@@ -131,7 +131,7 @@ fn question(model: &Model, rays: &[Ray]) -> String {
         // Both expect knots of full multiplicity at the ends of the domain.
         let surface = surface.clamped();
         let (u, v) = (surface.knots_u(), surface.knots_v());
-        let (nu, nv) = surface.size();
+        let [nu, nv] = surface.size();
         writeln!(text, "{} {} {nu} {nv}", u.degree(), v.degree()).unwrap();
         for knot in u.values().iter().chain(v.values()) {
             write!(text, "{knot:e} ").unwrap();

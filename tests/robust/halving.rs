@@ -89,7 +89,7 @@ impl Part {
 /// The Bézier pieces of a surface in ray coordinates.
 fn pieces(surface: &NurbsSurface, ray: &Ray, axes: [DVec3; 3]) -> Vec<Part> {
     let bezier = surface.bezier_form();
-    let (_, columns) = bezier.size();
+    let [_, columns] = bezier.size();
     let degree = [bezier.knots_u().degree(), bezier.knots_v().degree()];
     let seen = |c: &DVec4| {
         let from_origin = c.truncate() - c.w * ray.origin();

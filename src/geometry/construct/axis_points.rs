@@ -218,7 +218,7 @@ mod tests {
             let first = surface.point(0, row);
             // The same homogeneous point except for the weights around, division by which rounds.
             let one = 2.0 * f64::EPSILON * first.abs().max_element();
-            let mut around = 1..surface.size().0;
+            let mut around = 1..surface.size()[0];
             knots.multiplicity(*t) == degree
                 && around.all(|i| surface.point(i, row).distance(first) <= one)
         };

@@ -25,7 +25,7 @@ impl ControlNet {
 impl From<&NurbsSurface> for ControlNet {
     /// Lines between neighbours along u and v.
     fn from(surface: &NurbsSurface) -> Self {
-        let (nu, nv) = surface.size();
+        let [nu, nv] = surface.size();
         let mut net = Self::default();
         for (i, j) in (0..nu).flat_map(|i| (0..nv).map(move |j| (i, j))) {
             let here = net.points.len();

@@ -98,7 +98,7 @@ fn what_is_not_rational_stays_within_its_tolerance() {
         }
         let rounding = 1e-14;
         assert!(worst <= made.deviation + rounding, "{worst:e} of {tolerance:e}");
-        deviations.push(made.surface.size().1);
+        deviations.push(made.surface.size()[1]);
     }
     assert!(deviations.windows(2).all(|pair| pair[0] <= pair[1]), "{deviations:?}");
 }
@@ -252,7 +252,7 @@ fn a_closed_path_closes_the_sweep() {
     let square = square.map(|[x, y]| DVec3::new(x, y, 0.0));
     let profile = NurbsCurve::polyline(&square).unwrap();
     let made = sweep(&profile, &path, &SweepOptions::default()).unwrap();
-    let (nu, nv) = made.surface.size();
+    let [nu, nv] = made.surface.size();
     for i in 0..nu {
         assert_eq!(made.surface.point(i, 0), made.surface.point(i, nv - 1));
     }

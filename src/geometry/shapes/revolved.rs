@@ -103,7 +103,7 @@ mod tests {
 
     /// Closed surfaces close bit for bit: the last points around are the first.
     fn closes_in_u(surface: &NurbsSurface) {
-        let (nu, nv) = surface.size();
+        let [nu, nv] = surface.size();
         for j in 0..nv {
             assert_eq!(surface.homogeneous(0, j), surface.homogeneous(nu - 1, j));
         }

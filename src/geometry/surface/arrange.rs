@@ -11,7 +11,7 @@ impl NurbsSurface {
     /// [`KnotVector::reversed`](crate::geometry::KnotVector::reversed)).
     #[must_use]
     pub fn reversed_u(&self) -> Self {
-        let (_, nv) = self.size();
+        let [_, nv] = self.size();
         let control = self.control().chunks(nv).rev().flatten().copied().collect();
         Self::assembled([self.knots_u().reversed(), self.knots_v().clone()], control)
     }
@@ -20,7 +20,7 @@ impl NurbsSurface {
     /// [`KnotVector::reversed`](crate::geometry::KnotVector::reversed)).
     #[must_use]
     pub fn reversed_v(&self) -> Self {
-        let (_, nv) = self.size();
+        let [_, nv] = self.size();
         let control = self.control().chunks(nv).flat_map(|row| row.iter().rev()).copied().collect();
         Self::assembled([self.knots_u().clone(), self.knots_v().reversed()], control)
     }
@@ -28,7 +28,7 @@ impl NurbsSurface {
     /// The surface with its parameters exchanged, `S(v, u)`, which reverses its normals.
     #[must_use]
     pub fn swapped(&self) -> Self {
-        let (nu, nv) = self.size();
+        let [nu, nv] = self.size();
         let control = (0..nv).flat_map(|j| (0..nu).map(move |i| self.homogeneous(i, j))).collect();
         Self::assembled([self.knots_v().clone(), self.knots_u().clone()], control)
     }

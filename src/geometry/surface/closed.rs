@@ -33,7 +33,7 @@ impl NurbsSurface {
         let point = |(i, j)| clamped.point(i, j);
         let magnitude =
             pairs.iter().flatten().map(|&at| point(at).abs().max_element()).fold(0.0, f64::max);
-        let (nu, nv) = clamped.size();
+        let [nu, nv] = clamped.size();
         let places = (0..nu).flat_map(|i| (0..nv).map(move |j| (i, j)));
         let size = Aabb::around(places.map(point)).size();
         let ratio =
@@ -80,7 +80,7 @@ mod tests {
 
     /// The surface with the points of its last row in u moved.
     fn opened(surface: &NurbsSurface, by: f64) -> NurbsSurface {
-        let (nu, nv) = surface.size();
+        let [nu, nv] = surface.size();
         let moved = |(k, c): (usize, &DVec4)| {
             if k / nv + 1 == nu { *c + c.w * DVec3::splat(by).extend(0.0) } else { *c }
         };

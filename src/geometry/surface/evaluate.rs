@@ -34,7 +34,7 @@ impl NurbsSurface {
     pub fn points_at(&self, us: &[f64], vs: &[f64]) -> Vec<DVec3> {
         let mut values: BasisValues = [0.0; MAX_DEGREE + 1];
         let (p, q) = (self.knots_u().degree(), self.knots_v().degree());
-        let rows = self.size().0;
+        let rows = self.size()[0];
         // For each v, the control points of the curve `u ↦ S(u, v)`.
         let mut curves = vec![DVec4::ZERO; rows * vs.len()];
         for (curve, &v) in curves.chunks_exact_mut(rows).zip(vs) {

@@ -117,8 +117,8 @@ impl NurbsSurface {
     }
 
     /// The numbers of control points along u and along v.
-    pub fn size(&self) -> (usize, usize) {
-        (self.knots[0].point_count(), self.knots[1].point_count())
+    pub fn size(&self) -> [usize; 2] {
+        [self.knots[0].point_count(), self.knots[1].point_count()]
     }
 
     /// The homogeneous control net `(w x, w y, w z, w)`, v fastest.
@@ -160,7 +160,7 @@ impl NurbsSurface {
     /// Panics unless control point `(i, j)` exists: a `j` too large would index a later row.
     #[track_caller]
     fn assert_has(&self, i: usize, j: usize) {
-        let (nu, nv) = self.size();
+        let [nu, nv] = self.size();
         assert!(i < nu && j < nv, "there is no control point ({i}, {j}): the net is {nu} × {nv}");
     }
 

@@ -57,7 +57,7 @@ impl NurbsSurface {
         let insertions = Insertions::new(knots, new);
         match direction {
             Direction::U => {
-                let (_, length) = self.size();
+                let [_, length] = self.size();
                 let control = insertions.apply_to_rows(self.control(), length);
                 Self::assembled([to, self.knots_v().clone()], control)
             }
@@ -191,7 +191,7 @@ impl NurbsSurface {
         knots: KnotVector,
         operation: impl Fn(&[DVec4]) -> Vec<DVec4> + Sync,
     ) -> Self {
-        let (nu, nv) = self.size();
+        let [nu, nv] = self.size();
         match direction {
             Direction::V => {
                 let length = knots.point_count();

@@ -10,7 +10,7 @@ use crate::geometry::*;
 const STAYS: f64 = 1e-14;
 
 fn magnitude(surface: &NurbsSurface) -> f64 {
-    let (nu, nv) = surface.size();
+    let [nu, nv] = surface.size();
     let points = (0..nu).flat_map(|i| (0..nv).map(move |j| surface.point(i, j).abs()));
     points.fold(0.0, |largest: f64, point| largest.max(point.max_element()))
 }
@@ -110,15 +110,15 @@ proptest! {
         let (below, above) = s.split_u(u).unwrap();
         prop_assert_eq!((below.domain()[0], above.domain()[0]), ([a, u], [u, b]));
         stays(&above, &s, |u, v| (u, v));
-        let (n, _) = below.size();
-        for j in 0..below.size().1 {
+        let [n, _] = below.size();
+        for j in 0..below.size()[1] {
             prop_assert_eq!(below.homogeneous(n - 1, j), above.homogeneous(0, j));
         }
         let (below, above) = s.split_v(v).unwrap();
         prop_assert_eq!((below.domain()[1], above.domain()[1]), ([c, v], [v, d]));
         stays(&above, &s, |u, v| (u, v));
-        let (_, n) = below.size();
-        for i in 0..below.size().0 {
+        let [_, n] = below.size();
+        for i in 0..below.size()[0] {
             prop_assert_eq!(below.homogeneous(i, n - 1), above.homogeneous(i, 0));
         }
     }

@@ -171,7 +171,7 @@ fn what_is_exact_stays_exact() {
 
     let steps = shapes::sphere(1.0).unwrap().insert_knot_v(0.3, 2).unwrap();
     let steps = steps.elevated_v(3).unwrap().split_u(0.4).unwrap().0.elevated_u(2).unwrap();
-    let (_, nv) = steps.size();
+    let [_, nv] = steps.size();
     assert!((0..nv).all(|j| steps.point(0, j) == DVec3::Z));
 }
 
@@ -204,7 +204,7 @@ fn domains_are_moved_with_their_knots() {
 fn accessors_read_the_net_v_fastest() {
     let weights: Vec<f64> = (1..=12).map(f64::from).collect();
     let surface = NurbsSurface::new(knots(2, 3), knots(1, 4), net(3, 4), Some(weights)).unwrap();
-    assert_eq!((surface.size(), surface.is_rational()), ((3, 4), true));
+    assert_eq!((surface.size(), surface.is_rational()), ([3, 4], true));
     assert_eq!((surface.point(2, 1), surface.weight(2, 1)), (DVec3::new(2.0, 1.0, 0.0), 10.0));
     assert_eq!(surface.control()[9], DVec4::new(20.0, 10.0, 0.0, 10.0));
     assert_eq!(surface.knots(Direction::U), surface.knots_u());

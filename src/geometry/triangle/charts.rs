@@ -170,7 +170,7 @@ mod tests {
     fn common_sides_have_the_same_bits() {
         let patch = bumpy(5, true);
         let along = |surface: &NurbsSurface, side: RectSide| -> Vec<DVec4> {
-            let (n, _) = surface.size();
+            let [n, _] = surface.size();
             let at = |k: usize| side.control_point([n - 1; 2], k);
             (0..n).map(at).map(|[i, j]| surface.control()[i * n + j]).collect()
         };

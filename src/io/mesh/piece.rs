@@ -66,7 +66,7 @@ impl Piece {
 
     /// The row at a parameter u, given the basis functions there.
     pub(super) fn row(&self, u: &BasisDerivatives) -> Row {
-        let columns = self.surface.size().1;
+        let columns = self.surface.size()[1];
         let p = self.knots(Direction::U).degree();
         let mut row =
             Row { points: vec![DVec4::ZERO; columns], slopes: vec![DVec4::ZERO; columns] };
@@ -113,7 +113,7 @@ impl Piece {
     /// control points of its own: one vertex takes `q + 1` products of a number and a point.
     fn positions(&self, us: &[f64], vs: &[f64]) -> Vec<DVec3> {
         let [p, q] = Direction::BOTH.map(|direction| self.knots(direction).degree());
-        let columns = self.surface.size().1;
+        let columns = self.surface.size()[1];
         let (mut starts, mut table) = (Vec::new(), Vec::new());
         let mut values = [0.0; MAX_DEGREE + 1];
         for &v in vs {

@@ -38,7 +38,7 @@ fn of_chart(
     let bicubic = surface.elevated_u(more_u).and_then(|surface| surface.elevated_v(more_v));
     let bezier = bicubic.map_err(|_| wrong)?.bezier_form();
 
-    let (_, columns) = bezier.size();
+    let [_, columns] = bezier.size();
     let mut text = String::new();
     for u in bezier.knots_u().spans() {
         for v in bezier.knots_v().spans() {

@@ -151,7 +151,7 @@ fn uneven_weights(surface: &NurbsSurface) -> [f64; 2] {
     if !surface.is_rational() {
         return [1.0; 2];
     }
-    let (net, columns) = (surface.control(), surface.size().1);
+    let (net, columns) = (surface.control(), surface.size()[1]);
     let ratio = |line: &mut dyn Iterator<Item = &DVec4>| {
         let (low, high) = line.fold((f64::INFINITY, 0.0f64), |(low, high), point| {
             (low.min(point.w), high.max(point.w))
