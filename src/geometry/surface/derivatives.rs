@@ -1,6 +1,6 @@
 //! The derivatives of a surface at a point, and the normal they give.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
 use crate::math::rounding::power_of_two_below;
 
@@ -31,6 +31,26 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 const CLEAR: f64 = 1.5e-8;
 
 impl SurfaceDerivatives {
+    /// Those of `S = A / w`, from `(A, w)` and its derivatives in the order value, u, v, uu, uv, vv.
+    ///
+    /// By the quotient rule (Piegl & Tiller 1997, eq. 4.20) `Sᵤ = (Aᵤ − wᵤ S) / w`,
+    /// `Sᵤᵥ = (Aᵤᵥ − wᵤ Sᵥ − wᵥ Sᵤ − wᵤᵥ S) / w`, and so on.
+    #[inline]
+    pub(crate) fn of_quotient([a, au, av, auu, auv, avv]: [DVec4; 6]) -> Self {
+        let w = a.w;
+        let point = a.xyz() / w;
+        let du = (au.xyz() - au.w * point) / w;
+        let dv = (av.xyz() - av.w * point) / w;
+        Self {
+            point,
+            du,
+            dv,
+            duu: (auu.xyz() - 2.0 * au.w * du - auu.w * point) / w,
+            duv: (auv.xyz() - au.w * dv - av.w * du - auv.w * point) / w,
+            dvv: (avv.xyz() - 2.0 * av.w * dv - avv.w * point) / w,
+        }
+    }
+
     /// The same without the derivatives that are only rounding errors: those no longer than errors
     /// of up to `error` in the control points of a Bézier patch of degrees p and q can cause.
     pub(crate) fn without_noise(self, [p, q]: [usize; 2], error: f64) -> Self {

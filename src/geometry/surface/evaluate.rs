@@ -64,11 +64,10 @@ impl NurbsSurface {
     /// At inner knots they belong to the piece that begins there, as the basis functions do.
     ///
     /// With `A = Σ N N w P` and `w = Σ N N w`, `S = A / w` is differentiated as a quotient
-    /// (Piegl & Tiller 1997, eq. 4.20): `Sᵤ = (Aᵤ − wᵤ S) / w`,
-    /// `Sᵤᵥ = (Aᵤᵥ − wᵤ Sᵥ − wᵥ Sᵤ − wᵤᵥ S) / w`, and so on. The point `S` is computed first, and
-    /// all coordinates are then taken relative to it. So the control points of a collapsed edge
-    /// near by are nearly zero and add nearly no rounding error to the small derivative along
-    /// that edge, and normals are right up to the pole.
+    /// (Piegl & Tiller 1997, eq. 4.20). The point `S` is computed first, and all coordinates are
+    /// then taken relative to it. So the control points of a collapsed edge near by are nearly
+    /// zero and add nearly no rounding error to the small derivative along that edge, and normals
+    /// are right up to the pole.
     pub fn derivatives(&self, uv: DVec2) -> SurfaceDerivatives {
         let nu = self.knots_u().basis_derivatives(uv.x);
         let nv = self.knots_v().basis_derivatives(uv.y);
@@ -82,22 +81,15 @@ impl NurbsSurface {
             let x = shifted(point.x, origin.x);
             DVec4::new(x, shifted(point.y, origin.y), shifted(point.z, origin.z), point.w)
         };
-        let [a, mut au, mut av, mut auu, mut auv, mut avv] = self.combined(&nu, &nv, around);
+        let mut sums = self.combined(&nu, &nv, around);
         if !self.is_rational() {
             // Equal weights: w is constant, and its derivatives are rounding errors.
-            for sum in [&mut au, &mut av, &mut auu, &mut auv, &mut avv] {
+            for sum in &mut sums[1..] {
                 sum.w = 0.0;
             }
         }
-
-        let w = a.w;
-        let rest = a.xyz() / w;
-        let du = (au.xyz() - au.w * rest) / w;
-        let dv = (av.xyz() - av.w * rest) / w;
-        let duu = (auu.xyz() - 2.0 * au.w * du - auu.w * rest) / w;
-        let duv = (auv.xyz() - au.w * dv - av.w * du - auv.w * rest) / w;
-        let dvv = (avv.xyz() - 2.0 * av.w * dv - avv.w * rest) / w;
-        SurfaceDerivatives { point: origin + rest, du, dv, duu, duv, dvv }
+        let relative = SurfaceDerivatives::of_quotient(sums);
+        SurfaceDerivatives { point: origin + relative.point, ..relative }
     }
 
     /// The sums `Σ N N P` over the homogeneous control points, each mapped by `map`: the value,

@@ -224,24 +224,18 @@ impl TrianglePatch {
             mix(&mut points, 2, at);
         }
         let [q001, q010, q100] = [points[0], points[1], points[2]];
-        let (mut au, mut av) = (n * (q100 - q001), n * (q010 - q001));
+        let (au, av) = (n * (q100 - q001), n * (q010 - q001));
         mix(&mut points, 1, at);
-        let a = points[0];
-        let [mut auu, mut auv, mut avv] = second;
+        let [auu, auv, avv] = second;
+        let mut sums = [points[0], au, av, auu, auv, avv];
         if !self.is_rational() {
             // Equal weights: w is constant, and its derivatives are rounding errors.
-            for sum in [&mut au, &mut av, &mut auu, &mut auv, &mut avv] {
+            for sum in &mut sums[1..] {
                 sum.w = 0.0;
             }
         }
-
-        let rest = a.xyz() / a.w;
-        let du = (au.xyz() - au.w * rest) / a.w;
-        let dv = (av.xyz() - av.w * rest) / a.w;
-        let duu = (auu.xyz() - 2.0 * au.w * du - auu.w * rest) / a.w;
-        let duv = (auv.xyz() - au.w * dv - av.w * du - auv.w * rest) / a.w;
-        let dvv = (avv.xyz() - 2.0 * av.w * dv - avv.w * rest) / a.w;
-        SurfaceDerivatives { point: origin + rest, du, dv, duu, duv, dvv }
+        let relative = SurfaceDerivatives::of_quotient(sums);
+        SurfaceDerivatives { point: origin + relative.point, ..relative }
     }
 
     /// The unit normal `Sᵤ × Sᵥ / |Sᵤ × Sᵥ|`; where the product vanishes on a side or at a corner,

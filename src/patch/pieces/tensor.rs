@@ -303,27 +303,13 @@ impl TensorPatch {
         let [p, q] = self.degree();
         let (bs, bt) = (derivative_table(p, st.x), derivative_table(q, st.y));
         let net = self.control_net();
-        let sum = |order_s: usize, order_t: usize| -> DVec4 {
+        let sum = |(order_s, order_t): (usize, usize)| -> DVec4 {
             let points = |i: usize| net[i * (q + 1)..(i + 1) * (q + 1)].iter();
             let row = |i: usize| points(i).zip(&bt[order_t]).map(|(&c, &b)| b * c).sum::<DVec4>();
             (0..=p).map(|i| bs[order_s][i] * row(i)).sum()
         };
-        let (value, a, b) = (sum(0, 0), sum(1, 0), sum(0, 1));
-        let (aa, ab, bb) = (sum(2, 0), sum(1, 1), sum(0, 2));
-
-        // Quotient rule, e.g. S_st = (X_st − S_s W_t − S_t W_s − S W_st) / W.
-        let w = value.w;
-        let point = value.truncate() / w;
-        let du = (a.truncate() - a.w * point) / w;
-        let dv = (b.truncate() - b.w * point) / w;
-        SurfaceDerivatives {
-            point,
-            du,
-            dv,
-            duu: (aa.truncate() - 2.0 * a.w * du - aa.w * point) / w,
-            duv: (ab.truncate() - a.w * dv - b.w * du - ab.w * point) / w,
-            dvv: (bb.truncate() - 2.0 * b.w * dv - bb.w * point) / w,
-        }
+        let orders = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
+        SurfaceDerivatives::of_quotient(orders.map(sum))
     }
 }
 
