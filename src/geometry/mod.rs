@@ -20,6 +20,7 @@
 //! | [`shapes`], [`construct`] | quadrics and circles; surfaces from curves, and curves made visible |
 //! | `cage` | [`Cage`] and its [`LimitSurface`] |
 //! | `any_surface` | [`Surface`], one of any kind |
+//! | [`errata`] | misprints in documents that the code follows; text only |
 //!
 //! ```
 //! use glam::{DVec2, DVec3};
@@ -46,6 +47,7 @@ mod chart;
 pub mod construct;
 mod curve;
 mod direction;
+pub mod errata;
 mod knots;
 mod magnitude;
 mod polygon;

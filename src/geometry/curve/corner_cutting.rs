@@ -1,6 +1,6 @@
 //! Curves by cutting corners: Chaikin's scheme, and the cubic one, with their limits.
 //!
-//! The course deck calls them the Doo–Sabin and the Catmull–Clark rules of curves.
+//! They are to curves what Doo and Sabin's rules and Catmull and Clark's are to surfaces.
 
 use glam::DVec3;
 

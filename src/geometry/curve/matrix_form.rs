@@ -1,10 +1,6 @@
 //! Cubic segments in matrix form, `C(t) = [t³ t² t 1] M G`, and the splines made of them.
 //!
-//! They are written as in the lecture on bicubic surfaces and splines, with these differences. The
-//! lecture prints `S M G M Tᵀ` for surfaces: that is right for the Bézier matrix, which is
-//! symmetric; B-splines need `S M G Mᵀ Tᵀ`. Likewise `Q_j(t) = G_j B(t)` needs `B = Mᵀ Tᵀ`. The
-//! lecture numbers the blending functions B₀ to B₃ on one slide and B₄ to B₁ on the next; here they
-//! are B₀ to B₃.
+//! A surface is `S M G Mᵀ Tᵀ`, and the blending functions `B = Mᵀ Tᵀ` are B₀ to B₃.
 
 use glam::{DVec3, DVec4};
 

@@ -149,8 +149,7 @@ impl NurbsCurve {
     /// The point `C(t)` by de Boor's algorithm: `p` rounds of knot insertion at `t`, in which
     /// neighbours `d_{j−1}`, `d_j` are mixed in the ratio in which `t` divides the knots they share
     /// (de Boor 1972): `d_j = d_{j−1} + (t − t_j)/(t_{j+k−r} − t_j) (d_j − d_{j−1})` in round r,
-    /// with the order `k = p + 1`. (The course deck prints `u_{i+k−r} − u_{i−1}` as the second
-    /// denominator; both are `u_{i+k−r} − u_i`.)
+    /// with the order `k = p + 1`.
     ///
     /// Off the domain the end pieces continue; NaN gives NaN.
     pub fn point_at(&self, t: f64) -> DVec3 {

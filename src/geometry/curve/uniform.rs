@@ -45,8 +45,7 @@ impl NurbsCurve {
 }
 
 /// The control points with the first and the last repeated to occur `first` and `last` times. A
-/// uniform spline of degree `p` meets an end point that occurs `p` times. (The lecture's slide with
-/// threefold ends prints coordinates a hundred times those of the slide that defines the points.)
+/// uniform spline of degree `p` meets an end point that occurs `p` times.
 ///
 /// # Errors
 /// When there are no points, or a number is not from 1 to [`MAX_REPEATED`].

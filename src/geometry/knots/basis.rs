@@ -22,11 +22,6 @@ impl KnotVector {
     /// They are not negative on the domain and add up to 1. Off the domain the polynomials
     /// of its end spans continue. NaN gives NaN.
     ///
-    /// (The course deck differs. It prints degrees `< p` for the pieces of `N_{i,p}`: they have
-    /// degrees up to p. It prints `N_{i,p} > 0` from `u_i` on: at `u_i` itself the function is 0
-    /// for `p ≥ 1`, unless all knots up to `u_{i+p}` are the same. It prints that the functions add
-    /// up to 1 everywhere: they do so on the domain only, where as many as `p + 1` are active.)
-    ///
     /// Cox 1972, de Boor 1972: raising the degree from `q − 1` to `q` shares each function
     /// between two neighbours in the ratio `(t − t_l) : (t_r − t)` of the knots `t_l < t_r`
     /// that bound its support. As `t_l ≤ tᵢ < tᵢ₊₁ ≤ t_r`, no denominator vanishes.

@@ -18,14 +18,9 @@ use crate::geometry::{MAX_CONTROL_POINTS, MAX_DEGREE};
 ///
 /// Clamped ends are *not* assumed: periodic and imported knots are welcome.
 ///
-/// # Where the course deck and the lecture differ
-/// For control points 0 to n (here there are `n` of them, 0 to `n − 1`) the deck prints `u_{n+k+1}`
-/// as the last knot. With the degree p it is `u_{n+p+1}`; elsewhere the deck's k is the order
-/// `p + 1`. The domain is not all of `[u_0, u_{n+p+1}]` but `[u_p, u_{n+1}]`, which differs unless
-/// the ends are clamped. The lecture says that every control point has a t-value and that the knot
-/// vector lists these: in fact there are `p + 1` more knots than control points. By "uniform" it
-/// means evenly spaced knots, not points. Knots without space between them make a jump only if
-/// `p + 1` of them coincide (p of them make a corner).
+/// There are `p + 1` more knots than control points, and the domain is `[tₚ, tₙ]`, not
+/// `[t₀, t_last]`, unless the ends are clamped. A knot makes a corner if it occurs `p` times, a
+/// jump if `p + 1` times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnotVector {
     degree: usize,
@@ -121,9 +116,7 @@ impl KnotVector {
 
     /// The "standard knot vector" of the textbooks: clamped, `0, 1, 2, …` inside.
     ///
-    /// Five points of degree 3 get `0, 0, 0, 0, 1, 2, 2, 2, 2`. (The lecture prints
-    /// `0, 0, 0, 0, 1, 2, 3, 4, 5, 5, 5, 5` for five: these twelve knots are those of eight
-    /// points.)
+    /// Five points of degree 3 get `0, 0, 0, 0, 1, 2, 2, 2, 2`.
     ///
     /// # Errors
     /// When the degree or the number of points is not supported.
@@ -204,8 +197,6 @@ impl KnotVector {
     }
 
     /// Index `i` of the non-empty span that holds `t`: `tᵢ ≤ t < tᵢ₊₁`, the last span closed.
-    /// (Equation (2) of the source note has half-open spans only, so that all functions vanish at
-    /// the end.)
     ///
     /// Parameters off the domain get its end spans, NaN the first.
     pub fn span(&self, t: f64) -> usize {

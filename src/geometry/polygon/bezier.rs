@@ -10,9 +10,6 @@ use crate::geometry::knots::MAX_DEGREE;
 /// [`MAX_DEGREE`] + 1 of them, by de Casteljau's repeated mixing of neighbours:
 /// `P_i^r(t) = (1 − t) P_i^{r−1}(t) + t P_{i+1}^{r−1}(t)`, `P_i^0 = P_i`.
 ///
-/// (The course deck prints `P_i^0(u)` once where all else depends on t, and in its pyramid for a
-/// cubic `3t(1 − t)² P_0^1`, where the control point `P_1` is meant.)
-///
 /// `None` for no points or too many.
 pub fn de_casteljau(points: &[DVec4], t: f64) -> Option<DVec4> {
     let mut d = [DVec4::ZERO; MAX_DEGREE + 1];
@@ -48,8 +45,7 @@ pub fn split_bezier(points: &[DVec4], t: f64) -> Option<(Vec<DVec4>, Vec<DVec4>)
 
 /// The Bernstein polynomials `B_{k,n}(t) = (n choose k) tᵏ (1 − t)ⁿ⁻ᵏ`, `k = 0 … n`.
 ///
-/// A Bézier curve is `Σ P_i B_{i,n}(t)`: n is the second index, where the course deck prints
-/// `B_{i,t}(t)` on two slides.
+/// A Bézier curve is `Σ P_i B_{i,n}(t)`.
 ///
 /// Entries beyond the one at `degree` are 0. `None` for degrees above [`MAX_DEGREE`].
 pub fn bernstein(degree: usize, t: f64) -> Option<BasisValues> {

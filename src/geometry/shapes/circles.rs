@@ -1,8 +1,7 @@
-//! The source note's circles: arcs of the unit circle of degree 2, 3 and 4, in the plane
-//! `z = 0`.
+//! Arcs of the unit circle of degree 2, 3 and 4, in the plane `z = 0`.
 //!
-//! D. Eberly, "Representing a Circle or a Sphere with NURBS", 2003–2015, section 2, its
-//! misprinted control points put right.
+//! D. Eberly, "Representing a Circle or a Sphere with NURBS", 2003–2015, section 2, with
+//! [errata](crate::geometry::errata).
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
@@ -27,16 +26,14 @@ pub enum QuadraticArc {
 ///
 /// Written as a complex number, a circle's numerator is a square `f²` times a real factor `g`, its
 /// denominator `|f|² g`. Degree 4 leaves `f` linear and `g` quadratic, or `f` quadratic: both leave
-/// one constant free, which `w₁` determines. (The source note prints "2 possibilities" for
-/// `w₁ = 1`; its equations have two more solutions, `(y₁, x₂, w₂) = (−√2/4, 1 + √2/8, −2√2/3)` and
-/// `(−1 − √2, −(44√2 + 1)/79, (16 + 7√2)/6)`, which leave the quadrant.)
+/// one constant free, which `w₁` determines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QuarticArc {
     /// The quadratic arc times a factor: `y₁ = √2/(4 w₁)`, `x₂ = 1 − √2/(8 w₁)`,
-    /// `w₂ = 2√2 w₁/3`. For `w₁ = 1` it is the note's first solution.
+    /// `w₂ = 2√2 w₁/3`. For `w₁ = 1` it is Eberly's first solution.
     First,
     /// The square of a quadratic: `y₁ = √2 − 1`, `w₂ = (√2/2 + (8 − 4√2) w₁²)/3`,
-    /// `x₂ = √2 (1 + (8 − 4√2) w₁²)/(6 w₂)`. For `w₁ = 1` it is the note's second solution.
+    /// `x₂ = √2 (1 + (8 − 4√2) w₁²)/(6 w₂)`. For `w₁ = 1` it is Eberly's second solution.
     Second,
 }
 
@@ -44,7 +41,7 @@ pub enum QuarticArc {
 /// `(1, y₁)`, `(x₂, x₂)`, `(y₁, 1)`, `(0, 1)` with the weights `1, w₁, w₂, w₁, 1`.
 ///
 /// # Invariant, checked once on construction
-/// The note's three equations (11) hold to rounding, `w₁` and `w₂` are positive, and the
+/// Eberly's three equations (11) hold to rounding, `w₁` and `w₂` are positive, and the
 /// curve stays in the first quadrant: `x₂` and `y₁` are positive too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuarticConstants {
@@ -154,7 +151,7 @@ pub fn quarter_circle_quadratic(arc: QuadraticArc) -> NurbsCurve {
 }
 
 /// The quarter of the unit circle from `(1, 0)` to `(0, 1)`, of degree 2, with any weights
-/// `w₀, w₁, w₂` that satisfy the note's constraint `2 w₁² = w₀ w₂`.
+/// `w₀, w₁, w₂` that satisfy the constraint `2 w₁² = w₀ w₂`.
 ///
 /// # Errors
 /// When a weight is not a positive, normal number, or the constraint is violated.
@@ -181,7 +178,7 @@ pub fn quarter_circle_weighted([w0, w1, w2]: [f64; 3]) -> Result<NurbsCurve, Cur
 }
 
 /// The quarter of the unit circle from `(1, 0)` to `(0, 1)`, of degree 4, symmetric, with
-/// `w₁ = 1`: the two solutions the note prints.
+/// `w₁ = 1`: Eberly's two solutions.
 pub fn quarter_circle_quartic(arc: QuarticArc) -> NurbsCurve {
     let (y1, x2, w2) = match arc {
         QuarticArc::First => (SQRT_2 / 4.0, 1.0 - SQRT_2 / 8.0, 2.0 * SQRT_2 / 3.0),
@@ -194,8 +191,6 @@ pub fn quarter_circle_quartic(arc: QuarticArc) -> NurbsCurve {
 
 /// The half of the unit circle with `x ≥ 0`, from `(0, 1)` to `(0, −1)`, of degree 3:
 /// `(2t(1 − t), 1 − 2t) / (2t² − 2t + 1)`.
-///
-/// The source note prints `(1, 0)` for the first control point (2.2); a circle needs `(0, 1)`.
 pub fn half_circle_cubic() -> NurbsCurve {
     let third = 1.0 / 3.0;
     let points = [(0.0, 1.0, 1.0), (2.0, 1.0, third), (2.0, -1.0, third), (0.0, -1.0, 1.0)];
@@ -204,10 +199,6 @@ pub fn half_circle_cubic() -> NurbsCurve {
 
 /// The unit circle of degree 3, clockwise from `(0, 1)`: two half circles, joined at a knot
 /// of multiplicity 3. As a curve in the plane it is smooth there and where it closes.
-///
-/// The source note prints other control points: first and last `(1, 0)` in the list of its 2.3, the
-/// last `(0, −1)` in its table 1. All three must be `(0, 1)`. The note's line for degree 2 prints
-/// `N₂,₂ = 0`, but it is `N₀,₂` that vanishes; `N₂,₂` follows two lines below.
 pub fn circle_cubic() -> NurbsCurve {
     let (third, half) = (1.0 / 3.0, 0.5);
     let points = [
@@ -315,7 +306,7 @@ mod tests {
                 assert!(a.distance(*b) < 4e-16, "{arc:?}: {a} {b}");
             }
         }
-        // The border of the note's quartic octant.
+        // The border of Farin's quartic octant.
         let octant = QuarticConstants::new(
             [0.836_516_303_737_807_9, 0.788_675_134_594_812_9],
             0.422_649_730_810_374_2,

@@ -1,5 +1,5 @@
-//! The patches printed in the documents this project started from: three bicubic Bézier
-//! patches of a lecture, and the 4 × 4 net of a course deck.
+//! Bicubic Bézier patches: three of a lecture on bicubic surfaces, and the one of the OpenGL books
+//! ([errata](crate::geometry::errata) cites the documents).
 //!
 //! `u` runs over the rows of the nets as printed, `v` along the columns, both in `[0, 1]`.
 
@@ -16,11 +16,8 @@ fn bicubic(net: &Net) -> NurbsSurface {
     NurbsSurface::assembled([unit_knots(3), unit_knots(3)], control.collect())
 }
 
-/// The lecture's first patch: a graph over the square `[0, 3]²`, as `x = 3v` and `y = 3u`,
-/// so that each vertical line over it meets it exactly once. Its normals point down.
-///
-/// The polynomial that the lecture prints for z is right. Its three 4 × 4 matrices of coordinates,
-/// `G_x`, `G_y`, `G_z`, stand there as one block of twelve rows: four rows each.
+/// A graph over the square `[0, 3]²`, as `x = 3v` and `y = 3u`, so that each vertical line over it
+/// meets it exactly once. Its normals point down.
 pub fn lecture_patch_1() -> NurbsSurface {
     let heights =
         [[5.0, 6.0, 3.0, 5.0], [3.0, 5.0, 6.0, 3.0], [4.0, 3.0, 5.0, 6.0], [5.0, 4.0, 3.0, 5.0]];
@@ -33,7 +30,7 @@ pub fn lecture_patch_1() -> NurbsSurface {
     bicubic(&net)
 }
 
-/// The lecture's second patch: a hood whose rim bulges.
+/// A hood whose rim bulges.
 pub fn lecture_patch_2() -> NurbsSurface {
     bicubic(&[
         [(2.0, 2.0, 0.0), (1.0, 1.0, 1.0), (4.0, 1.0, 1.0), (3.0, 2.0, 0.0)],
@@ -43,7 +40,7 @@ pub fn lecture_patch_2() -> NurbsSurface {
     ])
 }
 
-/// The lecture's third patch: the second with its four corners drawn into one point.
+/// The hood with its four corners drawn into one point.
 pub fn lecture_patch_3() -> NurbsSurface {
     bicubic(&[
         [(2.5, 2.5, 0.0), (1.0, 1.0, 1.0), (4.0, 1.0, 1.0), (2.5, 2.5, 0.0)],
@@ -53,13 +50,9 @@ pub fn lecture_patch_3() -> NurbsSurface {
     ])
 }
 
-/// The course deck's OpenGL net: a graph over the square `[−1.5, 1.5]²`, as
-/// `x = 3v − 1.5` and `y = 3u − 1.5`. Its normals point down.
-///
-/// The deck prints the program with a scan's letters (`glMapI`, `GL_MAPI_VERTEX_3`: a 1 is meant,
-/// as in `glMap1f`) and without the inner braces of the `4 × 4 × 3` array. Called as printed,
-/// OpenGL's u runs along the inner index and its v over the rows: the transpose of the deck's own
-/// `S(u, v) = Σ P_ij B_i(u) B_j(v)`, which is used here.
+/// The net of the OpenGL Programming Guide (the "Red Book"): a graph over the square
+/// `[−1.5, 1.5]²`, as `x = 3v − 1.5` and `y = 3u − 1.5`. Its normals point down. The guide calls u
+/// what runs along the inner index of its array; here that is v.
 pub fn deck_patch() -> NurbsSurface {
     let heights = [
         [4.0, 2.0, -1.0, 2.0],

@@ -1,4 +1,4 @@
-//! Named shapes: exact quadrics, arcs of circles, and the documents' patches.
+//! Named shapes: exact quadrics, arcs of circles, and some bicubic patches.
 //!
 //! Closed shapes are oriented outward: `Sᵤ × Sᵥ` points away from the inside. Measures that make no
 //! valid surface together, as they reach too far out or are as thin as rounding errors, are an
@@ -54,7 +54,7 @@ pub enum ShapeError {
     #[error(
         "the constants a = {}, b = {} make no sphere: of x² + y² + z² - w², a polynomial of \
          degree 8 that must be 0, the coefficient at ({}, {}, {}) is {} of its terms, more than \
-         {:.1e}; the source note has a = {}, b = {}",
+         {:.1e}; Farin's (1990) are a = {}, b = {}",
         list(.a), list(.b), .exponents[0], .exponents[1], .exponents[2], Measured(*.residual), .tolerance,
         all_digits(OctantConstants::of_the_note().a()), all_digits(OctantConstants::of_the_note().b())
     )]

@@ -1,4 +1,4 @@
-//! The source note's octant of a sphere as one quartic triangle.
+//! An octant of a sphere as one quartic triangle.
 
 use std::f64::consts::SQRT_2;
 
@@ -39,8 +39,8 @@ fn trinomial([i, j, k]: [usize; 3]) -> f64 {
 }
 
 impl OctantConstants {
-    /// The constants of the source note: D. Eberly, "Representing a Circle or a Sphere with NURBS",
-    /// 3.1.2, after Farin 1990. They are right as printed there.
+    /// The constants of G. Farin, "Curves and Surfaces for Computer Aided Geometric Design", 2nd
+    /// edition, 1990, as in D. Eberly, "Representing a Circle or a Sphere with NURBS", 3.1.2.
     pub fn of_the_note() -> Self {
         let root = 3.0_f64.sqrt();
         let a0 = (root - 1.0) / root;
@@ -153,8 +153,8 @@ impl OctantConstants {
 }
 
 /// The octant `x, y, z ≥ 0` of a sphere around the origin as a rational quartic triangle,
-/// symmetric in its three parameters, facing outward: [`OctantConstants::octant`] with the source
-/// note's constants.
+/// symmetric in its three parameters, facing outward: [`OctantConstants::octant`] with Farin's
+/// constants.
 ///
 /// # Errors
 /// When the radius is not from 1e-70 to 1e70.
@@ -204,7 +204,7 @@ mod tests {
             message([0.4, note.a[1], note.a[2]], note.b),
             "the constants a = [0.4, 0.788675, 0.589353], b = [5.0718, 4.24264, 4, 3.34468] make no \
              sphere: of x² + y² + z² - w², a polynomial of degree 8 that must be 0, the coefficient \
-             at (0, 4, 4) is -0.0109595 of its terms, more than 1.4e-14; the source note has \
+             at (0, 4, 4) is -0.0109595 of its terms, more than 1.4e-14; Farin's (1990) are \
              a = [0.4226497308103742, 0.7886751345948129, 0.5893534615581059], \
              b = [5.0717967697244895, 4.242640687119286, 4, 3.3446772571685868]"
         );

@@ -1,6 +1,7 @@
-//! Spheres as in the source note, and the plane.
+//! Spheres and parts of them, and the plane.
 //!
-//! D. Eberly, "Representing a Circle or a Sphere with NURBS", 2003–2015 (its tables 2 and 3).
+//! D. Eberly, "Representing a Circle or a Sphere with NURBS", 2003–2015 (its tables 2 and 3), with
+//! [errata](crate::geometry::errata).
 
 use glam::{DVec3, DVec4};
 
@@ -25,14 +26,10 @@ const AROUND: [(f64, f64, f64); 7] = [
     (1.0, 0.0, 1.0),
 ];
 
-/// The sphere of the source note, around the origin: bicubic, 4 × 7 control points.
+/// The sphere around the origin: bicubic, 4 × 7 control points.
 ///
 /// `u` runs from the pole `+z` to the pole `−z`, `v` around, from `+x` over `+y`; both in
 /// `[0, 1]`. The half planes of `v = 1/2` and of the seam `v = 0 = 1` are both at `y = 0`.
-/// The note's parametrisation is oriented outward as it stands. Its tables 3 and 4 print u at the
-/// rows and v at the columns, as here (u has 4 control points, v has 7), its table 2 the other way
-/// round. Where 3.3 prints "wrap around the u-axis", the z axis is meant. For the knots `u_i = 1`
-/// the indices are `4 ≤ i ≤ 7` ("4 <= 7" is printed).
 ///
 /// # Errors
 /// When the radius is not from 1e-70 to 1e70.
@@ -46,8 +43,8 @@ pub fn sphere(radius: f64) -> Result<NurbsSurface, ShapeError> {
 /// Half of [`sphere`], `y ≥ 0`: a single bicubic piece of 4 × 4 control points.
 ///
 /// `u` runs from the pole `+z` to the pole `−z`, `v` around, from `+x` over `+y` to `−x`.
-/// It is [`hemisphere_of_the_note`] with its parameters exchanged, as in the note's own
-/// sphere, which turns the normals outward.
+/// It is [`hemisphere_of_the_note`] with its parameters exchanged, which turns the normals
+/// outward.
 ///
 /// # Errors
 /// When the radius is not from 1e-70 to 1e70.
@@ -56,11 +53,8 @@ pub fn hemisphere(radius: f64) -> Result<NurbsSurface, ShapeError> {
     spherical(radius, unit_knots(3), &AROUND[..4])
 }
 
-/// The hemisphere with the parameters of the source note's table 2, whose normals point
-/// *inward*: `u` runs around, `v` from the pole `+z` to the pole `−z`.
-///
-/// The table is right; the list of control points that the source note prints in its 3.2 lacks
-/// `(−2, 0, ±1)` and `(−2, 4, ±1)`.
+/// The hemisphere with the parameters of Eberly's table 2, whose normals point *inward*: `u` runs
+/// around, `v` from the pole `+z` to the pole `−z`.
 ///
 /// # Errors
 /// When the radius is not from 1e-70 to 1e70.
@@ -95,13 +89,10 @@ pub fn octant_biquadratic(radius: f64) -> Result<NurbsSurface, ShapeError> {
     Ok(octant_of_the_note(radius)?.swapped())
 }
 
-/// The biquadratic octant with the source note's parameters, whose normals point *inward*:
+/// The biquadratic octant with Eberly's parameters, whose normals point *inward*:
 /// `((1−u²)(1−v²), (1−u²) 2v, 2u (1+v²)) / ((1+u²)(1+v²))` on the unit square.
 ///
-/// `u = 1` is the pole, `v` runs around. (The source note prints the triangle `u + v ≤ 1` as its
-/// domain, which covers only 75.3 % of the octant: `(1/2, 1/2)` is `(9/25, 12/25, 4/5)`, inside. It
-/// calls the patch triangular, of degree 4: it is a tensor product of degrees 2 and 2, whose side
-/// `u = 1` is the pole.)
+/// `u = 1` is the pole, `v` runs around.
 ///
 /// # Errors
 /// When the radius is not from 1e-70 to 1e70.

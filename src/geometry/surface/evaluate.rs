@@ -125,9 +125,8 @@ impl NurbsSurface {
     /// inside the domain; `None` where there is none.
     ///
     /// A point that rounding cannot tell from a border point, and whose own derivatives are lost in
-    /// rounding (as near a pole), gets the border's normal. The derivatives of a rational surface
-    /// follow the quotient rule (the course deck prints `N = S_u × S_v` with the derivatives of a
-    /// polynomial patch only). See [`SurfaceDerivatives::unit_normal`].
+    /// rounding (as near a pole), gets the border's normal. See
+    /// [`SurfaceDerivatives::unit_normal`].
     pub fn normal(&self, uv: DVec2) -> Option<DVec3> {
         let [domain_u, domain_v] = self.domain();
         let inward = |uv: DVec2| DVec2::new(side(uv.x, domain_u), side(uv.y, domain_v));

@@ -307,7 +307,7 @@ pub(super) enum ShapeSource {
     File(Spanned<String>),
 }
 
-/// Returns the constants of an octant, if any are written; the others are the source note's. Adds
+/// Returns the constants of an octant, if any are written; the others are Farin's. Adds
 /// the offsets to `measures`.
 fn octant_constants(
     a: Option<Spanned<Exactly<Number, 3>>>,

@@ -80,7 +80,7 @@ pub enum CurveKind {
         /// How far it turns, in degrees, counterclockwise.
         degrees: f64,
     },
-    /// One of the source note's circles.
+    /// A part of the unit circle by name.
     NoteCircle(NoteCircle),
     /// A quarter of the unit circle of degree 2 with these weights.
     QuadraticArc([f64; 3]),

@@ -1,4 +1,4 @@
-//! The source note's circles by name.
+//! Parts of the unit circle by name.
 
 use super::UnknownName;
 use crate::geometry::NurbsCurve;
@@ -6,7 +6,7 @@ use crate::geometry::shapes::{
     QuadraticArc, circle_cubic, half_circle_cubic, quarter_circle_quadratic,
 };
 
-/// A part of the unit circle in the plane `z = 0`, as the source note represents it
+/// A part of the unit circle in the plane `z = 0`, or all of it
 /// ([`shapes`](crate::geometry::shapes) says how).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoteCircle {

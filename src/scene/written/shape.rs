@@ -34,7 +34,7 @@ pub enum NamedShape {
     OctantQuartic {
         /// Its radius.
         radius: f64,
-        /// `a₀ … a₂` and `b₀ … b₃`; the source note's if not given.
+        /// `a₀ … a₂` and `b₀ … b₃`; Farin's if not given.
         constants: Option<([f64; 3], [f64; 4])>,
     },
     /// The side of a cylinder that stands on `z = 0`.
@@ -70,13 +70,13 @@ pub enum NamedShape {
         /// Its length along y.
         height: f64,
     },
-    /// The lecture's first patch: a graph over a square.
+    /// A bicubic graph over a square.
     LecturePatch1,
-    /// The lecture's second patch: a hood.
+    /// A bicubic hood.
     LecturePatch2,
-    /// The lecture's third patch: the hood with its corners drawn together.
+    /// The hood with its corners drawn into one point.
     LecturePatch3,
-    /// The course deck's 4 × 4 net.
+    /// The 4 × 4 net of the OpenGL Programming Guide.
     DeckPatch,
 }
 
