@@ -53,7 +53,7 @@
 //! - OpenGL: a scan's letters `glMapI`, `GL_MAPI_VERTEX_3` have an I for a 1 (`glMap1f`), and the
 //!   `4 × 4 × 3` array lacks its inner braces. Called as printed, u runs along the inner index and
 //!   v over the rows: the transpose of `S(u, v) = Σ P_ij B_i(u) B_j(v)`, which is used in
-//!   [`shapes::deck_patch`].
+//!   [`shapes::red_book_patch`].
 //! - Subdivision of curves: Chaikin's rule is called Doo–Sabin's and the cubic one Catmull–Clark's,
 //!   after their surfaces. [`CornerCutting`].
 //!
@@ -61,7 +61,7 @@
 //! *Lecture 24: Bicubic Surfaces & Splines*, slides of 5 December 2019, without an author's name.
 //!
 //! - The polynomial for z of the first patch is right. Its matrices of coordinates `G_x`, `G_y`,
-//!   `G_z` stand there as one block of twelve rows: four rows each. [`shapes::lecture_patch_1`].
+//!   `G_z` stand there as one block of twelve rows: four rows each. [`shapes::bicubic_graph`].
 //! - `S M G M Tᵀ` for surfaces is right for the Bézier matrix, which is symmetric; B-splines need
 //!   `S M G Mᵀ Tᵀ`. Likewise `Q_j(t) = G_j B(t)` needs `B = Mᵀ Tᵀ`. [`MatrixForm`] and
 //!   [`matrix_patch`].

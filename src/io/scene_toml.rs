@@ -101,9 +101,9 @@
 //! [[object]]
 //! shape = { plane = { width = 1, height = 1 } }       # in z = 0, facing up
 //! [[object]]
-//! shape = "lecture_patch_1"                           # and _2, _3: bicubic patches
+//! shape = "lecture_patch_1"                           # a bicubic graph; _2: a hood; _3: it, pinched
 //! [[object]]
-//! shape = "deck_patch"
+//! shape = "deck_patch"                                # the bicubic net of the OpenGL books
 //! ```
 //!
 //! Their u and v run from 0 to 1: on `sphere` and `hemisphere` u from the pole `+z` to `−z`, v

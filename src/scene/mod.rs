@@ -63,8 +63,8 @@ pub use world::{Instance, Placed, World};
 pub(crate) use written::placed;
 pub use written::{
     BSplineEnds, BasisSpec, CameraSpec, Construction, CurveEntry, CurveKind, CurveSpec, FigureSpec,
-    ImportNote, IntegratorKind, Knots, Lens, LoopKind, LoopSense, LoopSpec, NamedShape, Net,
-    NoteCircle, Object, ObjectSpec, Part, PictureError, Place, Plane, PlotKind, PlotSpec,
-    RenderDefaults, Scene, Scheme, Shape, Subdivision, Transform, TransformError, TriangleNet,
-    TrimSpec, UnknownName, Written, nearest,
+    ImportNote, IntegratorKind, Knots, Lens, LoopKind, LoopSense, LoopSpec, NamedArc, NamedShape,
+    Net, Object, ObjectSpec, Part, PictureError, Place, Plane, PlotKind, PlotSpec, RenderDefaults,
+    Scene, Scheme, Shape, Subdivision, Transform, TransformError, TriangleNet, TrimSpec,
+    UnknownName, Written, nearest,
 };

@@ -42,10 +42,10 @@ pub(crate) fn plane() -> Model {
 
 pub(crate) fn lecture() -> Vec<Model> {
     vec![
-        Model::new("lecture 1", shapes::lecture_patch_1()),
-        Model::new("lecture 2", shapes::lecture_patch_2()),
-        Model::new("lecture 3", shapes::lecture_patch_3()),
-        Model::new("deck", shapes::deck_patch()),
+        Model::new("lecture 1", shapes::bicubic_graph()),
+        Model::new("lecture 2", shapes::bicubic_hood()),
+        Model::new("lecture 3", shapes::bicubic_hood_pinched()),
+        Model::new("deck", shapes::red_book_patch()),
     ]
 }
 

@@ -88,7 +88,7 @@ pub(crate) fn models() -> Vec<Model> {
         Model::new("cylinder and disk", tin.into_iter().map(Surface::from).collect()),
         Model::one("cone", shapes::cone(1.0, 1.5).unwrap()),
         Model::one("plane", shapes::plane(2.0, 2.0).unwrap()),
-        Model::one("lecture patch", shapes::lecture_patch_3()),
+        Model::one("lecture patch", shapes::bicubic_hood_pinched()),
     ];
     for (degree, points, rational) in [
         ((3, 3), 12, false),

@@ -5,22 +5,22 @@
 //! error ([`ShapeError::Surface`]).
 
 mod arc;
+mod bicubic;
 mod circles;
-mod documents;
 mod octant;
 mod quadrics;
 mod revolved;
 mod turned;
 
 pub(crate) use arc::UnitArc;
+pub use bicubic::{bicubic_graph, bicubic_hood, bicubic_hood_pinched, red_book_patch};
 pub use circles::{
     QuadraticArc, QuarticArc, QuarticConstants, circle_arc, circle_cubic, half_circle_cubic,
     quarter_circle_quadratic, quarter_circle_quartic, quarter_circle_weighted,
 };
-pub use documents::{deck_patch, lecture_patch_1, lecture_patch_2, lecture_patch_3};
 pub use octant::{OctantConstants, octant_quartic};
 pub use quadrics::{
-    hemisphere, hemisphere_of_the_note, octant_biquadratic, octant_of_the_note, plane, sphere,
+    hemisphere, hemisphere_inward, octant_biquadratic, octant_biquadratic_inward, plane, sphere,
 };
 pub use revolved::{cone, cylinder, disk, sphere_biquadratic, torus};
 pub(crate) use turned::{Turned, turned_net};
@@ -56,7 +56,7 @@ pub enum ShapeError {
          degree 8 that must be 0, the coefficient at ({}, {}, {}) is {} of its terms, more than \
          {:.1e}; Farin's (1990) are a = {}, b = {}",
         list(.a), list(.b), .exponents[0], .exponents[1], .exponents[2], Measured(*.residual), .tolerance,
-        all_digits(OctantConstants::of_the_note().a()), all_digits(OctantConstants::of_the_note().b())
+        all_digits(OctantConstants::farin().a()), all_digits(OctantConstants::farin().b())
     )]
     Octant {
         /// `a₀, a₁, a₂`.

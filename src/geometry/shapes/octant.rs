@@ -41,7 +41,7 @@ fn trinomial([i, j, k]: [usize; 3]) -> f64 {
 impl OctantConstants {
     /// The constants of G. Farin, "Curves and Surfaces for Computer Aided Geometric Design", 2nd
     /// edition, 1990, as in D. Eberly, "Representing a Circle or a Sphere with NURBS", 3.1.2.
-    pub fn of_the_note() -> Self {
+    pub fn farin() -> Self {
         let root = 3.0_f64.sqrt();
         let a0 = (root - 1.0) / root;
         let a1 = (root + 1.0) / (2.0 * root);
@@ -159,7 +159,7 @@ impl OctantConstants {
 /// # Errors
 /// When the radius is not from 1e-70 to 1e70.
 pub fn octant_quartic(radius: f64) -> Result<TrianglePatch, ShapeError> {
-    OctantConstants::of_the_note().octant(radius)
+    OctantConstants::farin().octant(radius)
 }
 
 #[cfg(test)]
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn the_note_s_constants_satisfy_the_constraint_at_any_scale_of_the_weights() {
-        let note = OctantConstants::of_the_note();
+        let note = OctantConstants::farin();
         for factor in [1e-8, 0.3, 1.0, 7.0, 1e8] {
             let scaled = OctantConstants::new(note.a, note.b.map(|b| factor * b)).unwrap();
             let (a, b) = (scaled.octant(2.0).unwrap(), octant_quartic(2.0).unwrap());
@@ -186,7 +186,7 @@ mod tests {
     /// change.
     #[test]
     fn constants_that_make_no_sphere_are_refused() {
-        let note = OctantConstants::of_the_note();
+        let note = OctantConstants::farin();
         for index in 0..7 {
             let (mut a, mut b) = (note.a, note.b);
             for step in [1e-11, 1e-3] {

@@ -43,8 +43,7 @@ pub fn sphere(radius: f64) -> Result<NurbsSurface, ShapeError> {
 /// Half of [`sphere`], `y ≥ 0`: a single bicubic piece of 4 × 4 control points.
 ///
 /// `u` runs from the pole `+z` to the pole `−z`, `v` around, from `+x` over `+y` to `−x`.
-/// It is [`hemisphere_of_the_note`] with its parameters exchanged, which turns the normals
-/// outward.
+/// It is [`hemisphere_inward`] with its parameters exchanged, which turns the normals outward.
 ///
 /// # Errors
 /// When the radius is not from 1e-70 to 1e70.
@@ -58,7 +57,7 @@ pub fn hemisphere(radius: f64) -> Result<NurbsSurface, ShapeError> {
 ///
 /// # Errors
 /// When the radius is not from 1e-70 to 1e70.
-pub fn hemisphere_of_the_note(radius: f64) -> Result<NurbsSurface, ShapeError> {
+pub fn hemisphere_inward(radius: f64) -> Result<NurbsSurface, ShapeError> {
     Ok(hemisphere(radius)?.swapped())
 }
 
@@ -80,13 +79,13 @@ fn spherical(
 /// The octant `x, y, z ≥ 0` of a sphere around the origin, biquadratic, on the unit square.
 ///
 /// `u` runs around from the plane `y = 0` to `x = 0`, `v` up from the equator `z = 0` to
-/// the pole. It is [`octant_of_the_note`] with its parameters exchanged, which turns the
+/// the pole. It is [`octant_biquadratic_inward`] with its parameters exchanged, which turns the
 /// normals outward.
 ///
 /// # Errors
 /// When the radius is not from 1e-70 to 1e70.
 pub fn octant_biquadratic(radius: f64) -> Result<NurbsSurface, ShapeError> {
-    Ok(octant_of_the_note(radius)?.swapped())
+    Ok(octant_biquadratic_inward(radius)?.swapped())
 }
 
 /// The biquadratic octant with Eberly's parameters, whose normals point *inward*:
@@ -96,7 +95,7 @@ pub fn octant_biquadratic(radius: f64) -> Result<NurbsSurface, ShapeError> {
 ///
 /// # Errors
 /// When the radius is not from 1e-70 to 1e70.
-pub fn octant_of_the_note(radius: f64) -> Result<NurbsSurface, ShapeError> {
+pub fn octant_biquadratic_inward(radius: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("radius", radius)?;
     // Bézier coefficients of 1 − t², 2t and 1 + t².
     let quarter = [(1.0, 0.0, 1.0), (1.0, 1.0, 1.0), (0.0, 2.0, 2.0)];
@@ -174,7 +173,7 @@ mod tests {
 
     #[test]
     fn hemisphere_has_the_closed_form() {
-        let note = hemisphere_of_the_note(1.0).unwrap();
+        let note = hemisphere_inward(1.0).unwrap();
         let outward = hemisphere(1.0).unwrap();
         close(note.point_at(DVec2::new(0.25, 1.0 / 3.0)), [16. / 25., 12. / 25., 3. / 5.]);
         close(note.point_at(DVec2::new(0.5, 0.5)), [0., 1., 0.]);
@@ -194,7 +193,7 @@ mod tests {
 
     #[test]
     fn octants_differ_by_their_parameters_only() {
-        let note = octant_of_the_note(1.0).unwrap();
+        let note = octant_biquadratic_inward(1.0).unwrap();
         close(note.point_at(DVec2::new(0.5, 0.5)), [9. / 25., 12. / 25., 4. / 5.]);
         close(note.point_at(DVec2::new(1.0 / 3.0, 0.5)), [12. / 25., 16. / 25., 3. / 5.]);
         let octant = octant_biquadratic(1.0).unwrap();

@@ -197,7 +197,7 @@ impl Reader<'_, '_> {
         let circle = name.get_ref().parse().map_err(|error: UnknownName| {
             LoadError::malformed(self.source.place(name.span().start), error.to_string())
         })?;
-        Ok(CurveKind::NoteCircle(circle))
+        Ok(CurveKind::NamedArc(circle))
     }
 
     fn quartic(&self, place: &Place, keys: QuarticKeys) -> Result<CurveKind, LoadError> {

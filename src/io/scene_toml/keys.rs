@@ -183,12 +183,13 @@ pub(super) enum ShapeKeys {
     Disk(Keyed<RadiusKeys>),
     Plane(Keyed<PlaneKeys>),
     #[serde(rename = "lecture_patch_1")]
-    LecturePatch1(Keyed<NoKeys>),
+    BicubicGraph(Keyed<NoKeys>),
     #[serde(rename = "lecture_patch_2")]
-    LecturePatch2(Keyed<NoKeys>),
+    BicubicHood(Keyed<NoKeys>),
     #[serde(rename = "lecture_patch_3")]
-    LecturePatch3(Keyed<NoKeys>),
-    DeckPatch(Keyed<NoKeys>),
+    BicubicHoodPinched(Keyed<NoKeys>),
+    #[serde(rename = "deck_patch")]
+    RedBookPatch(Keyed<NoKeys>),
     Revolution(Box<Keyed<RevolutionKeys>>),
     Extrusion(Box<Keyed<ExtrusionKeys>>),
     Ruled(Box<Keyed<RuledKeys>>),
@@ -319,7 +320,7 @@ fn octant_constants(
     measures.push(("constants", first));
     let names = [("a0", 0), ("a1", 0), ("a2", 0), ("b0", 1), ("b1", 1), ("b2", 1), ("b3", 1)];
     measures.extend(names.iter().map(|&(name, list)| (name, starts[list].unwrap_or(first))));
-    let note = OctantConstants::of_the_note();
+    let note = OctantConstants::farin();
     let a = a.map_or(note.a(), |a| a.into_inner().0.map(|x| x.0));
     let b = b.map_or(note.b(), |b| b.into_inner().0.map(|x| x.0));
     Some((a, b))
@@ -388,10 +389,10 @@ impl ShapeKeys {
                 width: measure("width", keys.width),
                 height: measure("height", keys.height),
             },
-            Self::LecturePatch1(_) => NamedShape::LecturePatch1,
-            Self::LecturePatch2(_) => NamedShape::LecturePatch2,
-            Self::LecturePatch3(_) => NamedShape::LecturePatch3,
-            Self::DeckPatch(_) => NamedShape::DeckPatch,
+            Self::BicubicGraph(_) => NamedShape::BicubicGraph,
+            Self::BicubicHood(_) => NamedShape::BicubicHood,
+            Self::BicubicHoodPinched(_) => NamedShape::BicubicHoodPinched,
+            Self::RedBookPatch(_) => NamedShape::RedBookPatch,
         };
         ShapeSource::Named(shape, measures)
     }

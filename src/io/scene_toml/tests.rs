@@ -55,7 +55,7 @@ fn what_the_documentation_shows_can_be_read() {
         let asked = RefCell::new(Vec::new());
         let scene = read_scene(&text, "doc", &mut |file, _, _| {
             asked.borrow_mut().push(file.display().to_string());
-            let shape = Shape::Named(crate::scene::NamedShape::DeckPatch, Vec::new());
+            let shape = Shape::Named(crate::scene::NamedShape::RedBookPatch, Vec::new());
             let part = Part { name: "0".into(), place: Place::default(), shape, trims: None };
             Ok(Model { parts: vec![part], notes: Vec::new() })
         });

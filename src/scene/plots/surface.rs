@@ -160,7 +160,7 @@ impl LoopSpec {
                         CurveKind::Polyline(_) => LoopCurveKind::Lines,
                         CurveKind::Bezier(_) => LoopCurveKind::Bezier,
                         CurveKind::Arc { .. }
-                        | CurveKind::NoteCircle(_)
+                        | CurveKind::NamedArc(_)
                         | CurveKind::QuadraticArc(_)
                         | CurveKind::QuarticConstants { .. }
                         | CurveKind::QuarticArc { .. } => LoopCurveKind::Arc,

@@ -116,7 +116,7 @@ fn bilinear() -> Net {
 }
 
 fn net_scene(net: Net) -> Scene {
-    let mut object = object(NamedShape::DeckPatch);
+    let mut object = object(NamedShape::RedBookPatch);
     object.name = Some(here("lid".to_owned()));
     object.parts[0].shape = Shape::Net(Arc::new(net));
     scene(vec![object])

@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3};
 
 use super::net::{Grid, knot_vector, wrapped};
 use super::transform::placed;
-use super::{Knots, NoteCircle, Place, Transform, TransformError, Written};
+use super::{Knots, NamedArc, Place, Transform, TransformError, Written};
 use crate::geometry::shapes::{QuarticArc, QuarticConstants, circle_arc, quarter_circle_weighted};
 use crate::geometry::{CurveError, Direction, NurbsCurve, RationalBasis, with_repeated_ends};
 
@@ -81,7 +81,7 @@ pub enum CurveKind {
         degrees: f64,
     },
     /// A part of the unit circle by name.
-    NoteCircle(NoteCircle),
+    NamedArc(NamedArc),
     /// A quarter of the unit circle of degree 2 with these weights.
     QuadraticArc([f64; 3]),
     /// A quarter of the unit circle of degree 4 by all its constants.
@@ -130,7 +130,7 @@ impl CurveSpec {
             | CurveKind::CatmullRom { points, .. }
             | CurveKind::Hermite { points, .. } => points.len(),
             CurveKind::Arc { .. }
-            | CurveKind::NoteCircle(_)
+            | CurveKind::NamedArc(_)
             | CurveKind::QuadraticArc(_)
             | CurveKind::QuarticConstants { .. }
             | CurveKind::QuarticArc { .. } => 0,
@@ -167,7 +167,7 @@ impl CurveSpec {
             }
             CurveKind::Hermite { points, derivatives } => NurbsCurve::hermite(points, derivatives),
             CurveKind::Arc { radius, from, degrees } => circle_arc(*radius, *from, *degrees),
-            CurveKind::NoteCircle(circle) => Ok(circle.curve()),
+            CurveKind::NamedArc(circle) => Ok(circle.curve()),
             CurveKind::QuadraticArc(weights) => quarter_circle_weighted(*weights),
             CurveKind::QuarticConstants { weights, y1, x2 } => {
                 QuarticConstants::new(*weights, *y1, *x2).map(|constants| constants.curve())

@@ -71,13 +71,13 @@ pub enum NamedShape {
         height: f64,
     },
     /// A bicubic graph over a square.
-    LecturePatch1,
+    BicubicGraph,
     /// A bicubic hood.
-    LecturePatch2,
+    BicubicHood,
     /// The hood with its corners drawn into one point.
-    LecturePatch3,
+    BicubicHoodPinched,
     /// The 4 × 4 net of the OpenGL Programming Guide.
-    DeckPatch,
+    RedBookPatch,
 }
 
 impl NamedShape {
@@ -94,10 +94,10 @@ impl NamedShape {
             Self::Torus { .. } => "torus",
             Self::Disk { .. } => "disk",
             Self::Plane { .. } => "plane",
-            Self::LecturePatch1 => "lecture_patch_1",
-            Self::LecturePatch2 => "lecture_patch_2",
-            Self::LecturePatch3 => "lecture_patch_3",
-            Self::DeckPatch => "deck_patch",
+            Self::BicubicGraph => "lecture_patch_1",
+            Self::BicubicHood => "lecture_patch_2",
+            Self::BicubicHoodPinched => "lecture_patch_3",
+            Self::RedBookPatch => "deck_patch",
         }
     }
 
@@ -114,7 +114,7 @@ impl NamedShape {
             Self::Octant { radius } => shapes::octant_biquadratic(radius)?,
             Self::OctantQuartic { radius, constants } => {
                 let constants = constants.map_or_else(
-                    || Ok(OctantConstants::of_the_note()),
+                    || Ok(OctantConstants::farin()),
                     |(a, b)| OctantConstants::new(a, b),
                 );
                 return Ok(constants?.octant(radius)?.into());
@@ -124,10 +124,10 @@ impl NamedShape {
             Self::Torus { major, minor } => shapes::torus(major, minor)?,
             Self::Disk { radius } => shapes::disk(radius)?,
             Self::Plane { width, height } => shapes::plane(width, height)?,
-            Self::LecturePatch1 => shapes::lecture_patch_1(),
-            Self::LecturePatch2 => shapes::lecture_patch_2(),
-            Self::LecturePatch3 => shapes::lecture_patch_3(),
-            Self::DeckPatch => shapes::deck_patch(),
+            Self::BicubicGraph => shapes::bicubic_graph(),
+            Self::BicubicHood => shapes::bicubic_hood(),
+            Self::BicubicHoodPinched => shapes::bicubic_hood_pinched(),
+            Self::RedBookPatch => shapes::red_book_patch(),
         };
         Ok(surface.into())
     }

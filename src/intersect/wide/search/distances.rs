@@ -380,7 +380,7 @@ mod tests {
         for surface in [shapes::sphere(1.0).unwrap(), shapes::torus(2.0, 0.5).unwrap(), cylinder] {
             assert_eq!(share(surface), 1.0);
         }
-        assert_eq!(share(shapes::lecture_patch_1()), 0.0);
+        assert_eq!(share(shapes::bicubic_graph()), 0.0);
     }
 
     /// Nine terms lead to the places of sixteen, of which seven are zero, bit for bit.

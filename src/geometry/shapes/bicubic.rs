@@ -18,7 +18,7 @@ fn bicubic(net: &Net) -> NurbsSurface {
 
 /// A graph over the square `[0, 3]²`, as `x = 3v` and `y = 3u`, so that each vertical line over it
 /// meets it exactly once. Its normals point down.
-pub fn lecture_patch_1() -> NurbsSurface {
+pub fn bicubic_graph() -> NurbsSurface {
     let heights =
         [[5.0, 6.0, 3.0, 5.0], [3.0, 5.0, 6.0, 3.0], [4.0, 3.0, 5.0, 6.0], [5.0, 4.0, 3.0, 5.0]];
     let mut net: Net = [[(0.0, 0.0, 0.0); 4]; 4];
@@ -31,7 +31,7 @@ pub fn lecture_patch_1() -> NurbsSurface {
 }
 
 /// A hood whose rim bulges.
-pub fn lecture_patch_2() -> NurbsSurface {
+pub fn bicubic_hood() -> NurbsSurface {
     bicubic(&[
         [(2.0, 2.0, 0.0), (1.0, 1.0, 1.0), (4.0, 1.0, 1.0), (3.0, 2.0, 0.0)],
         [(2.0, 2.0, 1.0), (1.0, 1.0, 2.0), (4.0, 1.0, 2.0), (3.0, 2.0, 1.0)],
@@ -41,7 +41,7 @@ pub fn lecture_patch_2() -> NurbsSurface {
 }
 
 /// The hood with its four corners drawn into one point.
-pub fn lecture_patch_3() -> NurbsSurface {
+pub fn bicubic_hood_pinched() -> NurbsSurface {
     bicubic(&[
         [(2.5, 2.5, 0.0), (1.0, 1.0, 1.0), (4.0, 1.0, 1.0), (2.5, 2.5, 0.0)],
         [(2.0, 2.0, 1.0), (1.0, 1.0, 2.0), (4.0, 1.0, 2.0), (3.0, 2.0, 1.0)],
@@ -53,7 +53,7 @@ pub fn lecture_patch_3() -> NurbsSurface {
 /// The net of the OpenGL Programming Guide (the "Red Book"): a graph over the square
 /// `[−1.5, 1.5]²`, as `x = 3v − 1.5` and `y = 3u − 1.5`. Its normals point down. The guide calls u
 /// what runs along the inner index of its array; here that is v.
-pub fn deck_patch() -> NurbsSurface {
+pub fn red_book_patch() -> NurbsSurface {
     let heights = [
         [4.0, 2.0, -1.0, 2.0],
         [1.0, 3.0, 0.0, -1.0],
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn lecture_patch_1_has_its_exact_values() {
+    fn bicubic_graph_has_its_exact_values() {
         let facts = [
             ((0., 0.), [0., 0., 5.], [0., 3., -6.], [3., 0., 3.]),
             ((0., 1.), [3., 0., 5.], [0., 3., -6.], [3., 0., 6.]),
@@ -120,11 +120,11 @@ mod tests {
             ((1. / 3., 2. / 3.), [2., 1., 1123. / 243.], [0., 3., 1. / 3.], [3., 0., -1. / 3.]),
         ];
         let products = [];
-        has_values(&lecture_patch_1(), &facts, &products);
+        has_values(&bicubic_graph(), &facts, &products);
     }
 
     #[test]
-    fn lecture_patch_2_has_its_exact_values() {
+    fn bicubic_hood_has_its_exact_values() {
         let facts = [
             ((0., 0.), [2., 2., 0.], [0., 0., 3.], [-3., -3., 3.]),
             ((0., 1. / 2.), [5. / 2., 5. / 4., 3. / 4.], [0., 0., 3.], [3., 0., 0.]),
@@ -153,11 +153,11 @@ mod tests {
             [-9., 9., 0.],
             [-97. / 27., 7. / 3., -196. / 27.],
         ];
-        has_values(&lecture_patch_2(), &facts, &products);
+        has_values(&bicubic_hood(), &facts, &products);
     }
 
     #[test]
-    fn lecture_patch_3_has_its_exact_values() {
+    fn bicubic_hood_pinched_has_its_exact_values() {
         let facts = [
             ((0., 0.), [5. / 2., 5. / 2., 0.], [-3. / 2., -3. / 2., 3.], [-9. / 2., -9. / 2., 3.]),
             ((0., 1. / 2.), [5. / 2., 11. / 8., 3. / 4.], [0., -3. / 8., 3.], [9. / 4., 0., 0.]),
@@ -196,11 +196,11 @@ mod tests {
             [-9., 9., 0.],
             [-31. / 9., 59. / 27., -1396. / 243.],
         ];
-        has_values(&lecture_patch_3(), &facts, &products);
+        has_values(&bicubic_hood_pinched(), &facts, &products);
     }
 
     #[test]
-    fn deck_patch_has_its_exact_values() {
+    fn red_book_patch_has_its_exact_values() {
         let facts = [
             ((0., 0.), [-3. / 2., -3. / 2., 4.], [0., 3., -9.], [3., 0., -6.]),
             ((0., 1. / 2.), [0., -3. / 2., 9. / 8.], [0., 3., 0.], [3., 0., -15. / 4.]),
@@ -229,18 +229,18 @@ mod tests {
             [-9., -45., -9.],
             [-4., 38. / 9., -9.],
         ];
-        has_values(&deck_patch(), &facts, &products);
+        has_values(&red_book_patch(), &facts, &products);
     }
 
     /// The lecture's polynomial: z = s³ a(t) + s² b(t) + s c(t) + d(t), with s = u, t = v.
     #[test]
-    fn the_lecture_s_heights_are_its_polynomial_with_two_derivatives() {
+    fn heights_of_the_graph_are_a_polynomial_with_two_derivatives() {
         let cubic = |c: [f64; 4], t: f64| {
             let value = ((c[0] * t + c[1]) * t + c[2]) * t + c[3];
             let first = (3. * c[0] * t + 2. * c[1]) * t + c[2];
             [value, first, 6. * c[0] * t + 2. * c[1]]
         };
-        let patch = lecture_patch_1();
+        let patch = bicubic_graph();
         for i in 0..=12 {
             for j in 0..=12 {
                 let (s, t) = (f64::from(i) / 12.0, f64::from(j) / 12.0);

@@ -9,7 +9,7 @@ use crate::geometry::shapes::{
 /// A part of the unit circle in the plane `z = 0`, or all of it
 /// ([`shapes`](crate::geometry::shapes) says how).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NoteCircle {
+pub enum NamedArc {
     /// A quarter of degree 2 with the weights 1, 1, 2.
     Quarter2,
     /// A quarter of degree 2 with the weights √2, 1, √2, divided by √2.
@@ -20,7 +20,7 @@ pub enum NoteCircle {
     Full3,
 }
 
-impl NoteCircle {
+impl NamedArc {
     /// All of them, with their names in scenes.
     const NAMES: [(&str, Self); 4] = [
         ("quarter_2", Self::Quarter2),
@@ -40,7 +40,7 @@ impl NoteCircle {
     }
 }
 
-impl std::str::FromStr for NoteCircle {
+impl std::str::FromStr for NamedArc {
     type Err = UnknownName;
 
     fn from_str(name: &str) -> Result<Self, UnknownName> {
