@@ -7,7 +7,7 @@
 //! David Eberly, *Representing a Circle or a Sphere with NURBS*, Geometric Tools, 2003–2015.
 //!
 //! - (2): the half-open spans of the basis functions of degree 0 let all functions vanish at the
-//!   end of the domain. The last span is closed: [`KnotVector::span`].
+//!   end of the domain. The last span is closed: [`KnotVector::span_index`].
 //! - 2.1.2, "2 possibilities" for `w₁ = 1`: the equations (11) have two more solutions,
 //!   `(y₁, x₂, w₂) = (−√2/4, 1 + √2/8, −2√2/3)` and `(−1 − √2, −(44√2 + 1)/79, (16 + 7√2)/6)`,
 //!   which leave the quadrant. The equations and the two printed solutions are right:

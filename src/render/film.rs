@@ -96,7 +96,7 @@ pub enum MergeError {
         "films of samples {}..{} and {}..{} cannot be merged: one range must follow the other",
         .0.start, .0.end, .1.start, .1.end
     )]
-    NotNeighbors(Range<u32>, Range<u32>),
+    NotNeighbours(Range<u32>, Range<u32>),
 }
 
 /// Why a film cannot be pasted into another.
@@ -256,7 +256,7 @@ impl Film {
         } else if b.samples.end == a.samples.start {
             (other, self)
         } else {
-            return Err(MergeError::NotNeighbors(a.samples.clone(), b.samples.clone()));
+            return Err(MergeError::NotNeighbours(a.samples.clone(), b.samples.clone()));
         };
         first.settings.samples.end = second.settings.samples.end;
         first.pixels.append(second.pixels);

@@ -226,7 +226,7 @@ fn the_command_line_overrides_the_scene() {
 /// From (0, -9, 0) the centre of the sphere is in the middle of the picture, and so is the
 /// point (0, -1, 0), 8 away; at the edge of a narrow view there is still sphere.
 #[test]
-fn look_from_alone_looks_at_the_centre() {
+fn look_from_alone_looks_at_the_center() {
     let sandbox = sandbox();
     let line = "render sphere.toml -o a.exr --aov Z,P --size 1x1 --spp 1 --fov 0.001 \
                 --look-from 0,-9,0";

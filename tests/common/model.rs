@@ -29,7 +29,7 @@ impl Model {
     /// Whether trims surely keep a place on a surface.
     pub(crate) fn keeps(&self, surface: usize, uv: DVec2) -> bool {
         let trimmed = self.surfaces[surface].trimmed();
-        trimmed.is_none_or(|trimmed| trimmed.trims().contains(uv) == Side::Inside)
+        trimmed.is_none_or(|trimmed| trimmed.trims().side_of(uv) == Side::Inside)
     }
 
     /// The same model, scaled about the origin, then moved.

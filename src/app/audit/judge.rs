@@ -248,7 +248,7 @@ impl<'a> Judge<'a> {
         let sine = at.du.cross(at.dv).length() / (lengths.x * lengths.y);
         let reach = near / (lengths * sine); // NaN or infinite at a pole
         let reach = DVec2::select(reach.cmpge(DVec2::ZERO), reach, DVec2::INFINITY);
-        trimmed.trims().contains_within(hit.uv, reach) == Side::Outside
+        trimmed.trims().side_within(hit.uv, reach) == Side::Outside
     }
 
     /// Whether two hits are one root: their `t` agree to within their error bounds, or the

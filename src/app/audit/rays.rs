@@ -109,10 +109,10 @@ impl<'a> RaySource<'a> {
 
     /// From a sphere of twice the model's radius to a point of its bounding box.
     fn random(&self, random: &mut Random) -> Option<Ray> {
-        let (centre, half) = (self.sites.centre(), self.sites.half_extent());
-        let origin = centre + 2.0 * self.sites.radius() * random.direction();
+        let (center, half) = (self.sites.center(), self.sites.half_extent());
+        let origin = center + 2.0 * self.sites.radius() * random.direction();
         let [x, y, z] = [(); 3].map(|()| random.between(-1.0, 1.0));
-        Ray::new(origin, centre + half * DVec3::new(x, y, z) - origin).ok()
+        Ray::new(origin, center + half * DVec3::new(x, y, z) - origin).ok()
     }
 
     /// Through a point of a surface in any direction.
@@ -213,9 +213,9 @@ impl<'a> RaySource<'a> {
         let curvature = normal.dot(bend) / direction.length_squared();
         let radius = (1.0 / curvature.abs()).min(self.sites.radius()); // flat: the model's size
 
-        let towards_centre = normal * curvature.signum();
+        let towards_center = normal * curvature.signum();
         let offset = random.sign() * radius * f64::powi(10.0, -i32::from(k));
-        self.along(random, surface.point + offset * towards_centre, direction)
+        self.along(random, surface.point + offset * towards_center, direction)
     }
 
     /// A ray that leaves the first hit of another, in any direction.
@@ -310,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn on_a_sphere_grazing_rays_pass_its_centre_at_one_radius_more_or_less() {
+    fn on_a_sphere_grazing_rays_pass_its_center_at_one_radius_more_or_less() {
         let surfaces = [shapes::sphere(2.0).unwrap().into()];
         let bvh = bvh(&surfaces);
         let mut tracer = bvh.tracer();

@@ -33,7 +33,7 @@ pub(crate) struct Sites<'a> {
     poles: Vec<(usize, Border)>,
     /// Points on the edges that trims cut.
     trim_edges: Vec<Site>,
-    centre: DVec3,
+    center: DVec3,
     half_extent: DVec3,
 }
 
@@ -71,14 +71,14 @@ impl<'a> Sites<'a> {
             trim_edges: trim_edges(surfaces),
             charts,
             spans,
-            centre: 0.5 * (low + high),
+            center: 0.5 * (low + high),
             half_extent: 0.5 * (high - low),
         })
     }
 
     /// The middle of the model's bounding box.
-    pub(crate) fn centre(&self) -> DVec3 {
-        self.centre
+    pub(crate) fn center(&self) -> DVec3 {
+        self.center
     }
 
     /// From the middle of the model's bounding box to its corner, coordinate by coordinate.

@@ -74,7 +74,7 @@ pub(super) fn with_kept_on_left(trims: &Trims, [uv, along]: [DVec2; 2]) -> Optio
     let largest = (domain.min.abs().max(domain.max.abs()) / size).max_element();
     let mut step = BESIDE * largest;
     while step <= FARTHEST {
-        let sides = [1.0, -1.0].map(|sign| trims.contains(uv + sign * step * left));
+        let sides = [1.0, -1.0].map(|sign| trims.side_of(uv + sign * step * left));
         match sides {
             [Side::Inside, Side::Outside] => return Some(along),
             [Side::Outside, Side::Inside] => return Some(-along),

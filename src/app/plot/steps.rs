@@ -30,7 +30,7 @@ fn projected(curve: &PlottedCurve, plane: Option<Plane>) -> (Projection, Vec<DVe
 /// neighbours in the ratio in which `t` divides the knots they share (de Boor 1972).
 fn rounds(curve: &PlottedCurve, t: f64) -> Vec<Vec<DVec4>> {
     let (p, knots) = (curve.knots().degree(), curve.knots().values());
-    let span = curve.knots().span(t);
+    let span = curve.knots().span_index(t);
     let control: Vec<DVec4> = match curve {
         PlottedCurve::Nurbs(curve) | PlottedCurve::Spline { curve, .. } => curve.control().to_vec(),
         PlottedCurve::Weighted { basis, points } => {

@@ -30,7 +30,7 @@ pub(crate) struct Model {
     /// How long it took to make it ready.
     pub(crate) preparation: Preparation,
     /// The middle of the bounding box.
-    pub(crate) centre: DVec3,
+    pub(crate) center: DVec3,
     /// The radius of a sphere about that middle which holds the surfaces.
     pub(crate) radius: f64,
     /// The diagonal of the hierarchy's box, up to some 2e-3 longer than that of the surfaces' own.
@@ -89,15 +89,15 @@ impl Model {
         let surfaces = in_their_places(&world);
         // A world without surfaces cannot be made.
         let (low, high) = world.bvh().bounds().unwrap_or_default();
-        let centre = 0.5 * low + 0.5 * high;
+        let center = 0.5 * low + 0.5 * high;
         Ok(Self {
             name: path.display().to_string(),
-            radius: MARGIN * farthest(&surfaces, centre),
+            radius: MARGIN * farthest(&surfaces, center),
             surfaces,
             scene,
             world,
             preparation,
-            centre,
+            center,
             diagonal: (high - low).length(),
         })
     }

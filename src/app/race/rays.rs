@@ -93,7 +93,7 @@ fn primary(world: &World, size: [u32; 2]) -> Vec<Query> {
 fn chord(model: &Model, index: u64) -> Option<Query> {
     let mut random = Random::new(SEED, CHORDS, index);
     let [from, to] = [random.direction(), random.direction()];
-    let origin = model.centre + model.radius * from;
+    let origin = model.center + model.radius * from;
     Ray::new(origin, (to - from).normalize_or_zero()).ok().map(Query::primary)
 }
 
@@ -199,7 +199,7 @@ mod tests {
         let mut meeting = 0;
         for query in &rays.queries {
             let ray = query.ray();
-            let offset = ray.origin() - model.centre;
+            let offset = ray.origin() - model.center;
             assert!((offset.length() - model.radius).abs() < 1e-14);
             let nearest = offset.reject_from_normalized(ray.direction()).length();
             meeting += u32::from(nearest < 2.0);

@@ -57,7 +57,7 @@ fn moved(mesh: &Mesh, centroids: &[DVec3], vertex: u32) -> DVec3 {
     let faces = star.corners.iter().map(|&corner| topology.face_of(corner) as usize);
     let centroids: Vec<DVec3> = faces.map(|face| centroids[face]).collect();
     let surroundings = Surroundings {
-        centre: mesh.positions[vertex as usize],
+        center: mesh.positions[vertex as usize],
         corner: mesh.corners[vertex as usize],
         spokes: &spokes,
         creases: &creases,

@@ -90,14 +90,14 @@ impl CreasedQuad {
         }
         let [before, first_row, last_row, after] = rows;
         let start = middle(before, first_row);
-        let centre = middle(first_row, last_row);
+        let center = middle(first_row, last_row);
         let end = middle(last_row, after);
         let from = moved([before, first_row, last_row], first);
         let to = moved([first_row, last_row, after], last);
         let [first, last] = [first, last].map(decayed);
         Some([
-            Self { across, rows: [start, from, centre, to], sharpness: [first, 0.0] },
-            Self { across, rows: [from, centre, to, end], sharpness: [0.0, last] },
+            Self { across, rows: [start, from, center, to], sharpness: [first, 0.0] },
+            Self { across, rows: [from, center, to, end], sharpness: [0.0, last] },
         ])
     }
 

@@ -56,16 +56,16 @@ impl Cage {
             let vertices = mesh.topology.face(face);
             let angle = TAU / vertices.len() as f64;
             let mut tangents = [DVec3::ZERO; 2];
-            let centre = mesh.centroid(face);
+            let center = mesh.centroid(face);
             for (i, &vertex) in vertices.iter().enumerate() {
                 let (sin, cos) = (angle * i as f64).sin_cos();
-                let offset = mesh.positions[vertex as usize] - centre;
+                let offset = mesh.positions[vertex as usize] - center;
                 tangents[0] += cos * offset;
                 tangents[1] += sin * offset;
             }
             let extent = tangents[0].length().max(tangents[1].length());
             let normal = super::ring::unit_normal(tangents[0], tangents[1], extent);
-            LimitPoint { point: centre, normal }
+            LimitPoint { point: center, normal }
         };
         (0..mesh.topology.face_count()).map(of_face).collect()
     }

@@ -11,7 +11,7 @@ use super::vertex_rule::{Rule, Surroundings, decayed, edge_point};
 /// A vertex with the quads around it, counterclockwise. Refinement keeps their number.
 #[derive(Clone, Debug)]
 pub(super) struct Ring {
-    centre: DVec3,
+    center: DVec3,
     /// The sharpness of the vertex.
     corner: f64,
     /// The ends of its edges: one for each quad and, if the ring is open, one more.
@@ -40,7 +40,7 @@ impl Ring {
         let at = |&vertex: &u32| mesh.positions[vertex as usize];
         let diagonal = |&corner: &u32| mesh.at(topology.next(topology.next(corner)));
         Some(Self {
-            centre: mesh.positions[vertex as usize],
+            center: mesh.positions[vertex as usize],
             corner: mesh.corners[vertex as usize],
             spokes: topology.spoke_ends(&star).iter().map(at).collect(),
             creases: topology.spokes(&star).iter().map(|&c| mesh.crease(c)).collect(),
@@ -67,23 +67,23 @@ impl Ring {
         let quads = self.diagonals.iter().enumerate();
         let centroids: Vec<DVec3> = quads
             .map(|(i, &far)| {
-                0.25 * ((self.centre + far) + (self.spokes[i] + self.spokes[(i + 1) % n]))
+                0.25 * ((self.center + far) + (self.spokes[i] + self.spokes[(i + 1) % n]))
             })
             .collect();
         let spoke = |i: usize| {
             let before = if i == 0 && self.is_closed() { n - 1 } else { i.wrapping_sub(1) };
             let sides = centroids.get(before).zip(centroids.get(i)).map(|(&a, &b)| [a, b]);
-            edge_point([self.centre, self.spokes[i]], sides, self.creases[i])
+            edge_point([self.center, self.spokes[i]], sides, self.creases[i])
         };
         let surroundings = Surroundings {
-            centre: self.centre,
+            center: self.center,
             corner: self.corner,
             spokes: &self.spokes,
             creases: &self.creases,
             centroids: &centroids,
         };
         Self {
-            centre: surroundings.moved(),
+            center: surroundings.moved(),
             corner: decayed(self.corner),
             spokes: (0..n).map(spoke).collect(),
             creases: self.creases.iter().map(|&sharpness| decayed(sharpness)).collect(),
@@ -121,16 +121,16 @@ impl Ring {
             for _ in 0..DART_STEPS {
                 ring = ring.refined();
             }
-            return ring.centre;
+            return ring.center;
         }
         match ring.rule() {
-            Rule::Corner => ring.centre,
-            Rule::Crease([a, b]) => (4.0 * ring.centre + (ring.spokes[a] + ring.spokes[b])) / 6.0,
+            Rule::Corner => ring.center,
+            Rule::Crease([a, b]) => (4.0 * ring.center + (ring.spokes[a] + ring.spokes[b])) / 6.0,
             Rule::Smooth => {
                 let n = ring.spokes.len() as f64;
                 let spokes: DVec3 = ring.spokes.iter().sum();
                 let diagonals: DVec3 = ring.diagonals.iter().sum();
-                (n * n * ring.centre + 4.0 * spokes + diagonals) / (n * (n + 5.0))
+                (n * n * ring.center + 4.0 * spokes + diagonals) / (n * (n + 5.0))
             }
         }
     }
@@ -157,7 +157,7 @@ impl Ring {
             Rule::Corner => {
                 let sector = ring.sector(quad)?;
                 let [first, last] = sector[..] else { return None };
-                [first, last].map(|spoke| ring.spokes[spoke] - ring.centre)
+                [first, last].map(|spoke| ring.spokes[spoke] - ring.center)
             }
         };
         unit_normal(first, second, ring.extent())
@@ -179,7 +179,7 @@ impl Ring {
         let sum = around.fold(DVec3::ZERO, |sum, (i, (spoke, diagonal))| {
             let turn = angle * (i as f64 - along as f64);
             let (here, next) = (turn.cos(), (turn + angle).cos());
-            sum + a * here * (*spoke - self.centre) + (here + next) * (*diagonal - self.centre)
+            sum + a * here * (*spoke - self.center) + (here + next) * (*diagonal - self.center)
         });
         // The length is that of the cited paper, written for this scaling of the eigenvector.
         let eigenvalue = (a + 4.0) / 16.0;
@@ -195,7 +195,7 @@ impl Ring {
             let around = self.spokes.iter().zip(&self.diagonals).enumerate();
             around.fold(DVec3::ZERO, |sum, (i, (spoke, diagonal))| {
                 let [here, next] = [i, i + 1].map(|i| wave(angle * i as f64));
-                sum + a * here * (*spoke - self.centre) + (here + next) * (*diagonal - self.centre)
+                sum + a * here * (*spoke - self.center) + (here + next) * (*diagonal - self.center)
             })
         };
         [tangent(f64::cos), tangent(f64::sin)]
@@ -225,7 +225,7 @@ impl Ring {
     /// The tangents along the crease and across it, for k quads between its two edges.
     fn crease_tangents(&self, sector: &[usize]) -> [DVec3; 2] {
         let k = sector.len() - 1;
-        let offset = |spoke: usize| self.spokes[spoke] - self.centre;
+        let offset = |spoke: usize| self.spokes[spoke] - self.center;
         let (first, last) = (offset(sector[0]), offset(sector[k]));
         if k == 1 {
             return [first - last, first + last];
@@ -240,7 +240,7 @@ impl Ring {
         for (i, &spoke) in sector.iter().enumerate().take(k) {
             let [here, next] = [i, i + 1].map(|i| (angle * i as f64).sin());
             across +=
-                a * here * offset(spoke) + (here + next) * (self.diagonals[spoke] - self.centre);
+                a * here * offset(spoke) + (here + next) * (self.diagonals[spoke] - self.center);
             sum += (a + 1.0) * here + next;
         }
         let outermost = angle.sin();
@@ -254,14 +254,14 @@ impl Ring {
     fn dart_normal(&self) -> Option<DVec3> {
         let mut ring = self.clone();
         for _ in 0..DART_STEPS {
-            let (centre, scale) = (ring.centre, 1.0 / ring.extent());
-            let moved = |point: &mut DVec3| *point = (*point - centre) * scale;
-            moved(&mut ring.centre);
+            let (center, scale) = (ring.center, 1.0 / ring.extent());
+            let moved = |point: &mut DVec3| *point = (*point - center) * scale;
+            moved(&mut ring.center);
             ring.spokes.iter_mut().chain(&mut ring.diagonals).for_each(moved);
             ring = ring.refined();
         }
         let n = ring.spokes.len();
-        let offset = |i: usize| ring.spokes[i % n] - ring.centre;
+        let offset = |i: usize| ring.spokes[i % n] - ring.center;
         let sum: DVec3 = (0..n).map(|i| offset(i).cross(offset(i + 1))).sum();
         sum.try_normalize()
     }
@@ -269,7 +269,7 @@ impl Ring {
     /// The length of the longest spoke or diagonal.
     fn extent(&self) -> f64 {
         let far = self.spokes.iter().chain(&self.diagonals);
-        far.map(|point| (*point - self.centre).length()).fold(0.0, f64::max)
+        far.map(|point| (*point - self.center).length()).fold(0.0, f64::max)
     }
 }
 

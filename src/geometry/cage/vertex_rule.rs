@@ -39,7 +39,7 @@ impl Rule {
 /// A vertex and everything its new position depends on.
 pub(super) struct Surroundings<'a> {
     /// The vertex.
-    pub(super) centre: DVec3,
+    pub(super) center: DVec3,
     /// Its own sharpness.
     pub(super) corner: f64,
     /// The ends of its edges.
@@ -73,14 +73,14 @@ impl Surroundings<'_> {
     fn by(&self, rule: Rule) -> DVec3 {
         let n = self.spokes.len() as f64;
         match rule {
-            Rule::Corner => self.centre,
-            Rule::Crease([a, b]) => 0.75 * self.centre + 0.125 * (self.spokes[a] + self.spokes[b]),
+            Rule::Corner => self.center,
+            Rule::Crease([a, b]) => 0.75 * self.center + 0.125 * (self.spokes[a] + self.spokes[b]),
             // This is the border of a part of a mesh, never of a cage: nothing depends on it.
-            Rule::Smooth if self.spokes.len() != self.centroids.len() => self.centre,
+            Rule::Smooth if self.spokes.len() != self.centroids.len() => self.center,
             Rule::Smooth => {
                 let spokes: DVec3 = self.spokes.iter().sum();
                 let centroids: DVec3 = self.centroids.iter().sum();
-                (n - 2.0) / n * self.centre + (spokes + centroids) / (n * n)
+                (n - 2.0) / n * self.center + (spokes + centroids) / (n * n)
             }
         }
     }

@@ -37,7 +37,7 @@ pub(super) fn cut_at_axis(profile: &NurbsCurve, axis: &Axis) -> Result<NurbsCurv
         }
         let of_profile = || ConstructError::of("profile");
         let whole = cut.insert_knot(t, missing).map_err(of_profile())?;
-        let index = whole.knots().span(t) - degree;
+        let index = whole.knots().span_index(t) - degree;
         let (point, weight) = (whole.point(index), whole.weight(index));
         let away = axis.across(point);
         if away.length() <= tolerance.at(t) {
@@ -214,7 +214,7 @@ mod tests {
         let knots = surface.knots_v();
         let degree = knots.degree();
         let collapsed = |t: &f64| {
-            let row = knots.span(*t) - degree;
+            let row = knots.span_index(*t) - degree;
             let first = surface.point(0, row);
             // The same homogeneous point except for the weights around, division by which rounds.
             let one = 2.0 * f64::EPSILON * first.abs().max_element();

@@ -124,7 +124,7 @@ pub(crate) fn is_straight(curve: &NurbsCurve) -> bool {
 /// A circle, and a path on it in the coordinates of the unit circle.
 #[derive(Clone, Debug)]
 pub(crate) struct OnCircle {
-    pub(crate) centre: DVec3,
+    pub(crate) center: DVec3,
     /// The unit vector from the centre to the start of the path.
     pub(crate) across: DVec3,
     /// The unit vector along the path at its start.
@@ -156,10 +156,10 @@ impl OnCircle {
             return None;
         }
         let across = -unit(bend)?;
-        let centre = at.point - radius * across;
+        let center = at.point - radius * across;
         let axis = across.cross(ahead);
         let local = |point: DVec3| {
-            let from = (point - centre) / radius;
+            let from = (point - center) / radius;
             DVec3::new(from.dot(across), from.dot(ahead), from.dot(axis))
         };
         let slack = ROUND * (1.0 + curve.magnitude() / radius);
@@ -176,7 +176,7 @@ impl OnCircle {
             (at.x, at.y, point.w)
         };
         let points = curve.control().iter().map(plane).collect();
-        round.then_some(Self { centre, across, ahead, radius, points })
+        round.then_some(Self { center, across, ahead, radius, points })
     }
 }
 
@@ -198,8 +198,8 @@ mod tests {
             for (arc, radius) in arcs.iter().zip([2.0, 1.0]) {
                 let circle = OnCircle::of(&arc.transformed(&place).unwrap()).unwrap();
                 assert!((circle.radius / size - radius).abs() < 1e-14);
-                let centre = place.transform_point3(DVec3::ZERO);
-                assert!(circle.centre.distance(centre) < 1e-14 * size);
+                let center = place.transform_point3(DVec3::ZERO);
+                assert!(circle.center.distance(center) < 1e-14 * size);
             }
             let parabola = [DVec3::ZERO, DVec3::X, DVec3::ONE];
             let parabola = NurbsCurve::bezier(&parabola).unwrap().transformed(&place).unwrap();

@@ -18,10 +18,10 @@ fn turned(point: DVec3, weight: f64, axis: &Axis) -> Turned {
     let across = axis.across(point);
     let rounding = ON_AXIS * point.abs().max_element().max(axis.magnitude());
     if across.length() <= rounding {
-        return Turned { centre: point, across: DVec3::ZERO, ahead: DVec3::ZERO, weight };
+        return Turned { center: point, across: DVec3::ZERO, ahead: DVec3::ZERO, weight };
     }
     let ahead = axis.direction().cross(across);
-    Turned { centre: axis.nearest(point), across, ahead, weight }
+    Turned { center: axis.nearest(point), across, ahead, weight }
 }
 
 /// The surface that a profile passes over when it is turned about an axis: exact, rational

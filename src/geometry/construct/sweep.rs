@@ -184,7 +184,7 @@ fn along_a_circle(
 ) -> Result<NurbsSurface, ConstructError> {
     let place = |p: DVec3| {
         let offset = p.x * frame.normal + p.y * frame.side() + p.z * frame.tangent;
-        frame.origin + factor * offset - circle.centre
+        frame.origin + factor * offset - circle.center
     };
     let [start, end] = profile.domain();
     let across = |share: usize| {
@@ -206,8 +206,8 @@ fn along_a_circle(
             let from = place(profile.point(i));
             let along = from.dot(axis) * axis;
             let across = from - along;
-            let (centre, weight) = (circle.centre + along, profile.weight(i));
-            Turned { centre, across, ahead: axis.cross(across), weight }
+            let (center, weight) = (circle.center + along, profile.weight(i));
+            Turned { center, across, ahead: axis.cross(across), weight }
         })
         .collect();
     let net = turned_net(&circle.points, &points);

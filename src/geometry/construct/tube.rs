@@ -154,11 +154,11 @@ mod tests {
         for caps in [Caps::Flat, Caps::Round] {
             let style = TubeStyle { radius: 0.5, caps, tolerance: None };
             let pieces = tube(&line, &style).unwrap();
-            let centre = DVec3::new(0.5, 1.0, 1.0);
+            let center = DVec3::new(0.5, 1.0, 1.0);
             for piece in &pieces {
                 let [[a, b], [c, d]] = piece.surface.domain();
                 let (u, v) = (a + 0.3 * (b - a), c + 0.4 * (d - c));
-                let outward = piece.surface.point_at(DVec2::new(u, v)) - centre;
+                let outward = piece.surface.point_at(DVec2::new(u, v)) - center;
                 assert!(
                     piece.surface.normal(DVec2::new(u, v)).unwrap().dot(outward) > 0.0,
                     "{}",

@@ -93,10 +93,10 @@ fn frame_at(origin: DVec3, z: DVec3) -> DAffine3 {
 ///
 /// # Errors
 /// When the radius is not a positive length, or the point not finite.
-pub(crate) fn ball(centre: DVec3, radius: f64) -> Result<Component, ConstructError> {
+pub(crate) fn ball(center: DVec3, radius: f64) -> Result<Component, ConstructError> {
     let sphere = sphere_biquadratic(radius)
         .map_err(|_| ConstructError::JointRadius { radius })?
-        .transformed(&DAffine3::from_translation(centre))?;
+        .transformed(&DAffine3::from_translation(center))?;
     Ok(Component::exact(ComponentKind::Joint, sphere))
 }
 

@@ -58,10 +58,10 @@ impl CurveDerivatives {
     }
 
     /// The centre of curvature; `None` where the curve is straight or stands still.
-    pub fn centre_of_curvature(&self) -> Option<DVec3> {
+    pub fn center_of_curvature(&self) -> Option<DVec3> {
         let vector = self.curvature_vector()?;
-        let centre = self.point + vector / vector.length() / vector.length();
-        centre.is_finite().then_some(centre)
+        let center = self.point + vector / vector.length() / vector.length();
+        center.is_finite().then_some(center)
     }
 }
 
@@ -84,7 +84,7 @@ mod tests {
             for k in 0..=40 {
                 let at = arc.derivatives(f64::from(k) / 40.0);
                 assert!((at.curvature().unwrap() * radius - 1.0).abs() < 1e-13, "{k}");
-                assert!(at.centre_of_curvature().unwrap().length() < 1e-13 * radius);
+                assert!(at.center_of_curvature().unwrap().length() < 1e-13 * radius);
             }
         }
         for curve in [circle_cubic(), quarter_circle_quartic(QuarticArc::Second)] {
@@ -153,7 +153,7 @@ mod tests {
         }
         let line = NurbsCurve::polyline(&[DVec3::ZERO, DVec3::ONE]).unwrap();
         assert_eq!(line.derivatives(0.5).curvature(), Some(0.0));
-        assert_eq!(line.derivatives(0.5).centre_of_curvature(), None);
+        assert_eq!(line.derivatives(0.5).center_of_curvature(), None);
         let points = vec![DVec3::ZERO, DVec3::ZERO, DVec3::X];
         let cusp = NurbsCurve::new(KnotVector::bezier(2).unwrap(), points, None).unwrap();
         assert_eq!(cusp.derivatives(0.0).curvature(), None);

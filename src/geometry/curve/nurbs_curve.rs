@@ -154,7 +154,7 @@ impl NurbsCurve {
     /// Off the domain the end pieces continue; NaN gives NaN.
     pub fn point_at(&self, t: f64) -> DVec3 {
         let (p, values) = (self.knots.degree(), self.knots.values());
-        let span = self.knots.span(t);
+        let span = self.knots.span_index(t);
         let mut d = [DVec4::ZERO; MAX_DEGREE + 1];
         d[..=p].copy_from_slice(&self.control[span - p..=span]);
         for round in 1..=p {
@@ -190,7 +190,7 @@ impl NurbsCurve {
     /// It is not finite where a derivative up to this order is beyond f64. The time grows with the
     /// order and the degree.
     pub fn derivative(&self, order: usize, t: f64) -> DVec3 {
-        let (p, span) = (self.knots.degree(), self.knots.span(t));
+        let (p, span) = (self.knots.degree(), self.knots.span_index(t));
         let active = &self.control[span - p..=span];
         let is_polynomial = active.iter().all(|point| point.w == active[0].w);
         let homogeneous = |order: usize| -> DVec4 {

@@ -100,7 +100,7 @@ impl RationalBasis {
     /// It is not finite where a derivative up to this order is beyond f64. The time grows with the
     /// order and the degree.
     pub fn derivative(&self, index: usize, order: usize, t: f64) -> f64 {
-        let (p, span) = (self.knots.degree(), self.knots.span(t));
+        let (p, span) = (self.knots.degree(), self.knots.span_index(t));
         if !(span - p..=span).contains(&index) {
             return 0.0;
         }

@@ -26,7 +26,7 @@ impl KnotVector {
     /// between two neighbours in the ratio `(t − t_l) : (t_r − t)` of the knots `t_l < t_r`
     /// that bound its support. As `t_l ≤ tᵢ < tᵢ₊₁ ≤ t_r`, no denominator vanishes.
     pub fn basis(&self, t: f64, values: &mut BasisValues) -> usize {
-        let span = self.span(t);
+        let span = self.span_index(t);
         self.basis_on_span(span, self.degree(), t, values);
         span
     }
@@ -54,7 +54,7 @@ impl KnotVector {
     /// once and twice (de Boor 1978, ch. X). At a knot they belong to the piece that
     /// begins there, at the end of the domain to the last piece.
     pub fn basis_derivatives(&self, t: f64) -> BasisDerivatives {
-        let span = self.span(t);
+        let span = self.span_index(t);
         let p = self.degree();
         let mut orders = [[0.0; MAX_DEGREE + 1]; 3];
         self.basis_on_span(span, p, t, &mut orders[0]);

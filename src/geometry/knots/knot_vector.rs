@@ -199,7 +199,7 @@ impl KnotVector {
     /// Index `i` of the non-empty span that holds `t`: `tᵢ ≤ t < tᵢ₊₁`, the last span closed.
     ///
     /// Parameters off the domain get its end spans, NaN the first.
-    pub fn span(&self, t: f64) -> usize {
+    pub fn span_index(&self, t: f64) -> usize {
         let [start, end] = self.domain();
         let t = t.max(start); // `max` also turns NaN into `start`
         let inside = &self.values[self.degree + 1..self.point_count()];
@@ -213,7 +213,7 @@ impl KnotVector {
 
     /// The non-empty spans that hold some of the parameters between two, in order.
     pub fn spans_between(&self, from: f64, to: f64) -> impl Iterator<Item = Span> + '_ {
-        self.spans_from(self.span(from)).take_while(move |span| span.start < to)
+        self.spans_from(self.span_index(from)).take_while(move |span| span.start < to)
     }
 
     fn spans_from(&self, first: usize) -> impl Iterator<Item = Span> + '_ {

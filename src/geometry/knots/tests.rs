@@ -120,7 +120,7 @@ fn spans_are_never_empty_and_hold_their_parameter() {
         let inside = (0..=50).map(|k| start + (end - start) * f64::from(k) / 50.0);
         let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, start - 1.0, end + 1.0, -0.0];
         for t in inside.chain(odd).chain(knots.values().iter().copied()) {
-            let i = knots.span(t);
+            let i = knots.span_index(t);
             let (from, to) = (knots.values()[i], knots.values()[i + 1]);
             assert!(from < to, "{knots:?}: span {i} of {t} is empty");
             assert!(i >= knots.degree() && i < knots.point_count());
@@ -128,8 +128,8 @@ fn spans_are_never_empty_and_hold_their_parameter() {
                 assert!(from <= t && (t < to || t == end), "{knots:?}: span {i} misses {t}");
             }
         }
-        assert_eq!(knots.span(f64::NAN), knots.span(start));
-        assert_eq!(knots.span(f64::INFINITY), knots.span(end));
+        assert_eq!(knots.span_index(f64::NAN), knots.span_index(start));
+        assert_eq!(knots.span_index(f64::INFINITY), knots.span_index(end));
         let spans: Vec<Span> = knots.spans().collect();
         assert_eq!((spans[0].start, spans[spans.len() - 1].end), (start, end));
         assert!(spans.windows(2).all(|pair| pair[0].end == pair[1].start));
@@ -144,7 +144,7 @@ fn basis_functions_add_up_to_one_and_their_derivatives_to_nothing() {
         for k in 0..=40 {
             let t = start + (end - start) * f64::from(k) / 40.0;
             let BasisDerivatives { span, orders } = knots.basis_derivatives(t);
-            assert_eq!(span, knots.span(t));
+            assert_eq!(span, knots.span_index(t));
             let mut values = [0.0; MAX_DEGREE + 1];
             assert_eq!(knots.basis(t, &mut values), span);
             assert_eq!(values[..=p], orders[0][..=p]);
@@ -227,7 +227,7 @@ proptest! {
         let mut values = values;
         values.sort_by(f64::total_cmp);
         if let Ok(knots) = KnotVector::new(degree, values) {
-            let span = knots.span(t);
+            let span = knots.span_index(t);
             prop_assert!(knots.values()[span] < knots.values()[span + 1]);
             prop_assert!(knots.reversed().spans().count() == knots.spans().count());
         }

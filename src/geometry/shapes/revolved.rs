@@ -19,7 +19,7 @@ fn revolved(profile: &[(f64, f64, f64)], knots_v: KnotVector) -> Result<NurbsSur
     let points: Vec<Turned> = profile
         .iter()
         .map(|&(r, z, weight)| Turned {
-            centre: z * DVec3::Z,
+            center: z * DVec3::Z,
             across: r * DVec3::X,
             ahead: r * DVec3::Y,
             weight,

@@ -5,7 +5,7 @@ use glam::{DVec3, DVec4};
 /// A point that is turned: `centre + x across + y ahead` for `(x, y)` on the unit circle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Turned {
-    pub(crate) centre: DVec3,
+    pub(crate) center: DVec3,
     pub(crate) across: DVec3,
     pub(crate) ahead: DVec3,
     pub(crate) weight: f64,
@@ -16,7 +16,7 @@ pub(crate) fn turned_net(arc: &[(f64, f64, f64)], points: &[Turned]) -> Vec<DVec
     let around = |&(x, y, w): &(f64, f64, f64)| {
         points.iter().map(move |point| {
             let w = w * point.weight;
-            (w * (point.centre + x * point.across + y * point.ahead)).extend(w)
+            (w * (point.center + x * point.across + y * point.ahead)).extend(w)
         })
     };
     arc.iter().flat_map(around).collect()

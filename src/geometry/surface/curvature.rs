@@ -133,8 +133,8 @@ mod tests {
                 moved.derivatives(DVec2::new(u[0] + s * (u[1] - u[0]), v[0] + t * (v[1] - v[0])));
             // The distance from the axis decides the second curvature: n · (away from it) / it.
             let axis = map.matrix3 * DVec3::Z;
-            let from_centre = at.point - map.translation;
-            let away = from_centre - from_centre.dot(axis) * axis;
+            let from_center = at.point - map.translation;
+            let away = from_center - from_center.dot(axis) * axis;
             let normal = at.unit_normal(glam::DVec2::ZERO).unwrap();
             let around = -normal.dot(away) / away.length_squared();
             assert_bends(&at, [-1.0, around], 1.0);

@@ -30,12 +30,12 @@ fn to_the_ends([a, b]: [f64; 2]) -> impl Iterator<Item = f64> {
 
 /// The largest error of a sphere's normals, except between the distances `hidden` (in
 /// radii) from a pole.
-fn worst_normal(sphere: &NurbsSurface, centre: DVec3, hidden: Range<f64>) -> f64 {
+fn worst_normal(sphere: &NurbsSurface, center: DVec3, hidden: Range<f64>) -> f64 {
     let [domain_u, domain_v] = sphere.domain();
     let mut worst: f64 = 0.0;
     for u in to_the_ends(domain_u) {
         for v in to_the_ends(domain_v) {
-            let out = (sphere.point_at(DVec2::new(u, v)) - centre).normalize();
+            let out = (sphere.point_at(DVec2::new(u, v)) - center).normalize();
             let from_pole = out.truncate().length();
             if !hidden.contains(&from_pole) {
                 let off =
@@ -126,7 +126,7 @@ fn a_tip_within_the_domain_has_no_normal() {
 }
 
 #[test]
-fn the_centre_of_a_disk_faces_as_the_disk_does() {
+fn the_center_of_a_disk_faces_as_the_disk_does() {
     let disk = shapes::disk(3.0).unwrap();
     for u in [0.0, 1e-20, 1e-10, 0.5, 1.0] {
         for v in [0.0, 0.125, 0.25, 0.7, 1.0] {

@@ -161,7 +161,7 @@ mod tests {
     const REACH: DVec2 = DVec2::splat(1e-14);
 
     /// At each corner of polygons run in both directions, the sectors give the same answer for a
-    /// direction as [`Trims::contains`] for a point a little way off in that direction.
+    /// direction as [`Trims::side_of`] for a point a little way off in that direction.
     #[test]
     fn sectors_say_what_points_nearby_do() {
         let star: Vec<(f64, f64)> = (0..14)
@@ -188,7 +188,7 @@ mod tests {
                     assert_eq!(sectors.edges().len(), 2, "{corner}");
                     for k in 0..64 {
                         let angle = TAU * (k as f64 + 0.5) / 64.0;
-                        let nearby = trims.contains(corner + 1e-6 * DVec2::from_angle(angle));
+                        let nearby = trims.side_of(corner + 1e-6 * DVec2::from_angle(angle));
                         let kept = nearby == super::super::Side::Inside;
                         assert_eq!(sectors.keeps(angle), kept, "{corner} {angle}");
                         asked += 1;

@@ -70,11 +70,11 @@ fn ends_within_rounding_are_made_one() {
     let outline = &half.outlines(1e-3).unwrap()[0];
     assert_eq!(outline[0], DVec2::new(1.0, 0.0));
     // Close to the joint the arc follows its end.
-    assert_eq!(half.contains(DVec2::new(1.0 - 1e-12, 1e-8)), Side::Inside);
-    assert_eq!(half.contains(DVec2::new(1.0 + 1e-12, 1e-8)), Side::Outside);
+    assert_eq!(half.side_of(DVec2::new(1.0 - 1e-12, 1e-8)), Side::Inside);
+    assert_eq!(half.side_of(DVec2::new(1.0 + 1e-12, 1e-8)), Side::Outside);
     // No ray slips through the closed gaps, not even level with them.
     for v in [0.0, 1e-9, 5e-9, 1e-8, 2e-8, -1e-9] {
-        assert_eq!(half.contains(DVec2::new(-3.0, v)), Side::Outside, "v = {v}");
+        assert_eq!(half.side_of(DVec2::new(-3.0, v)), Side::Outside, "v = {v}");
     }
 }
 
@@ -153,9 +153,9 @@ fn touching_is_allowed() {
         (0., 2.),
     ]);
     let slit = trims(&[slit]);
-    assert_eq!(slit.contains(DVec2::new(2., 2.)), Side::Outside);
-    assert_eq!(slit.contains(DVec2::new(0.5, 1.9)), Side::Inside);
-    assert!(matches!(slit.contains(DVec2::new(0.5, 2.)), Side::Edge { .. }));
+    assert_eq!(slit.side_of(DVec2::new(2., 2.)), Side::Outside);
+    assert_eq!(slit.side_of(DVec2::new(0.5, 1.9)), Side::Inside);
+    assert!(matches!(slit.side_of(DVec2::new(0.5, 2.)), Side::Edge { .. }));
 }
 
 #[test]
@@ -183,7 +183,7 @@ fn domains_cut_loops_and_refuse_those_beside_them() {
     let beyond = Trims::new(unit(), Kept::Odd, &[circle(0.5, 0.5, 0.6)]).unwrap();
     assert_eq!(beyond.classify(&UvBox::new([0.2, 0.8], [0.2, 0.8])), Coverage::Inside);
     let touching = Trims::new(unit(), Kept::Odd, &[circle(0.5, 0.5, 0.5)]).unwrap();
-    assert!(matches!(touching.contains(DVec2::new(0.5, 1.0)), Side::Edge { .. }));
+    assert!(matches!(touching.side_of(DVec2::new(0.5, 1.0)), Side::Edge { .. }));
     let error =
         Trims::new(unit(), Kept::Odd, &[square(0., 0., 1.), square(2., 0., 1.)]).unwrap_err();
     assert_eq!(
@@ -268,7 +268,7 @@ fn many_rings_are_an_honest_outline() {
     let rings: Vec<TrimLoop> = (1..=300).map(|k| circle(0.0, 0.0, f64::from(k))).collect();
     let rings = trims(&rings);
     for k in 0..300 {
-        let side = rings.contains((f64::from(k) + 0.5) * DVec2::from_angle(0.7));
+        let side = rings.side_of((f64::from(k) + 0.5) * DVec2::from_angle(0.7));
         assert_eq!(side == Side::Inside, (300 - k) % 2 == 1, "ring {k}");
     }
 }
@@ -319,7 +319,7 @@ proptest! {
             for domain in [domain, domain.periodic_in(Direction::V)] {
                 let loops = std::slice::from_ref(&one);
                 let Ok(trims) = Trims::new(domain, Kept::Odd, loops) else { continue };
-                let side = trims.contains(query);
+                let side = trims.side_of(query);
                 let edge = matches!(side, Side::Edge { .. });
                 prop_assert!(!edge || trims.meets(&UvBox::about(query, DVec2::ZERO)));
                 // A rectangle of the domain, and a point of it.
@@ -368,8 +368,8 @@ fn edges_that_run_out_and_back_are_refused() {
         (2., 8.),
     ];
     let ring = Trims::new(wide, Kept::Odd, &[polygon(&ring)]).unwrap();
-    assert_eq!(ring.contains(DVec2::new(5.0, 5.0)), Side::Outside);
-    assert_eq!(ring.contains(DVec2::new(3.0, 5.0)), Side::Inside);
+    assert_eq!(ring.side_of(DVec2::new(5.0, 5.0)), Side::Outside);
+    assert_eq!(ring.side_of(DVec2::new(3.0, 5.0)), Side::Inside);
 }
 
 #[test]
@@ -408,7 +408,7 @@ fn loops_may_reach_far_but_not_where_digits_are_lost() {
             for off in [-0.1, -1e-6, -1e-9, 1e-9, 1e-6, 0.1] {
                 let kept = if off > 0.0 { Side::Inside } else { Side::Outside };
                 for v in [edge + off, 1.0 - (edge + off)] {
-                    assert_eq!(trims.contains(DVec2::new(u, v)), kept, "{far:e}: {u}, {v}");
+                    assert_eq!(trims.side_of(DVec2::new(u, v)), kept, "{far:e}: {u}, {v}");
                 }
             }
         }

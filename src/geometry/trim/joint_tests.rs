@@ -38,11 +38,11 @@ fn gaps_are_closed_up_to_the_tolerance() {
         // The curves run at 45° there, and one is extended until it meets the other.
         for end in [-1.0, 1.0] {
             let tip = DVec2::new(end + 0.5 * gap, 0.5 * end * gap);
-            let side = trims.contains_within(tip, DVec2::splat(gap.abs().powi(2)));
+            let side = trims.side_within(tip, DVec2::splat(gap.abs().powi(2)));
             assert!(matches!(side, Side::Edge { .. }), "{gap} at {end}");
             let way = DVec2::new(end * (1e-6 + 4.0 * gap * gap), 0.0);
-            assert_eq!(trims.contains(tip - way), Side::Inside, "{gap} at {end}");
-            assert_eq!(trims.contains(tip + way), Side::Outside, "{gap} at {end}");
+            assert_eq!(trims.side_of(tip - way), Side::Inside, "{gap} at {end}");
+            assert_eq!(trims.side_of(tip + way), Side::Outside, "{gap} at {end}");
         }
     }
     assert!(matches!(lens(2.1e-3), Err(TrimLoopError::Open { curve: 0, next: 1, .. })));
@@ -65,18 +65,18 @@ fn lines_stay_where_they_are() {
         assert_eq!((bounds.min, bounds.max), (DVec2::ZERO, DVec2::ONE), "{off}");
         let square = trims(&[square]);
         for (u, v) in points(&[(0.0, 0.0), (1.0, 0.3), (0.7, 1.0)]).into_iter().map(Into::into) {
-            assert!(matches!(square.contains(DVec2::new(u, v)), Side::Edge { .. }), "{u}, {v}");
+            assert!(matches!(square.side_of(DVec2::new(u, v)), Side::Edge { .. }), "{u}, {v}");
         }
-        assert_eq!(square.contains(DVec2::new(1e-9, 1e-9)), Side::Inside);
-        assert_eq!(square.contains(DVec2::new(0.5, -1e-9)), Side::Outside);
+        assert_eq!(square.side_of(DVec2::new(1e-9, 1e-9)), Side::Inside);
+        assert_eq!(square.side_of(DVec2::new(0.5, -1e-9)), Side::Outside);
     }
 }
 
 /// Whether the loops pass through a point, and the answers on the two sides of it are certain and
 /// differ.
 fn is_edge_at(trims: &Trims, point: DVec2, normal: DVec2) -> bool {
-    let sides = [1e-9, -1e-9].map(|off| trims.contains(point + off * normal));
-    matches!(trims.contains(point), Side::Edge { .. })
+    let sides = [1e-9, -1e-9].map(|off| trims.side_of(point + off * normal));
+    matches!(trims.side_of(point), Side::Edge { .. })
         && sides.contains(&Side::Inside)
         && sides.contains(&Side::Outside)
 }
@@ -131,8 +131,8 @@ fn a_gap_in_a_smooth_curve_bends_nothing() {
             for k in -100..=100 {
                 let v = 2e-6 * f64::from(k);
                 let [inner, outer] = [1.0 - 1e-4, 1.0 + 1e-4].map(|u| DVec2::new(side * u, v));
-                assert_eq!(round.contains(inner), Side::Inside, "{gap}: {v}");
-                assert_eq!(round.contains(outer), Side::Outside, "{gap}: {v}");
+                assert_eq!(round.side_of(inner), Side::Inside, "{gap}: {v}");
+                assert_eq!(round.side_of(outer), Side::Outside, "{gap}: {v}");
             }
         }
     }
@@ -266,7 +266,7 @@ fn a_gap_along_a_pole_is_none() {
             for k in 1..1000 {
                 let place = |u: f64| {
                     let v = 0.1 + 0.9 * (1.0 - 0.98f64.powi(k));
-                    trims.contains(DVec2::new(u0 + u * (u1 - u0), v0 + v * (v1 - v0)))
+                    trims.side_of(DVec2::new(u0 + u * (u1 - u0), v0 + v * (v1 - v0)))
                 };
                 assert_eq!([0.21, 0.69].map(place), [Side::Inside; 2], "{off:e}: {k}");
                 assert_eq!([0.19, 0.71].map(place), [Side::Outside; 2], "{off:e}: {k}");
@@ -282,7 +282,7 @@ fn a_gap_along_a_pole_is_none() {
     assert_eq!(narrow.widest_gap(), 0.0);
     let narrow = Trims::new(domain, Kept::Odd, &[narrow]).unwrap();
     for below in [1e-3, 1e-6, 1e-9, 1e-12] {
-        assert_eq!(narrow.contains(at((0.45005, 1.0 - below))), Side::Inside, "{below:e}");
+        assert_eq!(narrow.side_of(at((0.45005, 1.0 - below))), Side::Inside, "{below:e}");
     }
 
     // Too far from the tip; without a tip; and at the other end, which is a circle.
@@ -326,10 +326,10 @@ fn two_poles_at(leaf: &NurbsSurface, corner: DVec2) {
         assert_eq!(one.widest_gap(), 0.0);
         let trims = Trims::new(domain, Kept::Odd, &[one]).unwrap();
         for inside in [(1e-9, 1e-9), (0.01, 0.89), (0.79, 0.01), (0.4, 0.4)] {
-            assert_eq!(trims.contains(at(inside)), Side::Inside, "{inside:?} at {corner}");
+            assert_eq!(trims.side_of(at(inside)), Side::Inside, "{inside:?} at {corner}");
         }
         for outside in [(0.81, 0.4), (0.4, 0.91), (0.01, 0.91)] {
-            assert_eq!(trims.contains(at(outside)), Side::Outside, "{outside:?} at {corner}");
+            assert_eq!(trims.side_of(at(outside)), Side::Outside, "{outside:?} at {corner}");
         }
     }
 }

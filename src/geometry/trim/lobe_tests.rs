@@ -48,15 +48,15 @@ fn curves_may_cross_again_beside_their_joint() {
                     let u = if k < 2000 { 1e-3 * f64::from(k) * back } else { f64::from(k) / 4e3 };
                     let v = STEEP * u * (u - back);
                     // Between the curves, and on either side of both.
-                    let side = trims.contains(DVec2::new(u, 0.5 * v));
+                    let side = trims.side_of(DVec2::new(u, 0.5 * v));
                     let is_edge = matches!(side, Side::Edge { .. });
                     assert!(side == within || is_edge && v.abs() < 3e-14, "{back:e}: {u}, {v:e}");
                     told += usize::from(!is_edge);
                     for off in [-1e-12, 1e-12] {
                         let v = if (off > 0.0) == (v > 0.0) { v + off } else { off };
-                        assert_eq!(trims.contains(DVec2::new(u, v)), beyond, "{back:e}: {u}, {v}");
+                        assert_eq!(trims.side_of(DVec2::new(u, v)), beyond, "{back:e}: {u}, {v}");
                     }
-                    let on = trims.contains(DVec2::new(u, 0.0));
+                    let on = trims.side_of(DVec2::new(u, 0.0));
                     assert!(matches!(on, Side::Edge { .. }), "{back:e}: {u}, {on:?}");
                     // No rectangle with points on both sides is all inside or all outside.
                     let rect = UvBox::new([0.9 * u, u], [-1e-9, 1e-9]);
@@ -104,10 +104,10 @@ fn lines_may_run_on_a_little_and_come_back() {
     for over in [1e-9, 1e-6, 9e-5] {
         let square = trims(&[tip(over)]);
         for v in [0.5, 1.0 - 1e-9] {
-            assert_eq!(square.contains(DVec2::new(1.0 - 1e-9, v)), Side::Inside);
-            assert_eq!(square.contains(DVec2::new(1.0 + 1e-9, v)), Side::Outside);
+            assert_eq!(square.side_of(DVec2::new(1.0 - 1e-9, v)), Side::Inside);
+            assert_eq!(square.side_of(DVec2::new(1.0 + 1e-9, v)), Side::Outside);
         }
-        assert_eq!(square.contains(DVec2::new(0.5, 1.0 + 0.5 * over)), Side::Outside);
+        assert_eq!(square.side_of(DVec2::new(0.5, 1.0 + 0.5 * over)), Side::Outside);
     }
     assert!(refusal(tip(2e-4)).is_some());
 

@@ -2,7 +2,7 @@
 //!
 //! A [`TrimLoop`] is made of [`TrimCurve`]s (lines, arcs, Bézier curves, NURBS) that join end to
 //! end. [`Trims`] are the loops of one surface on its [`TrimDomain`], checked for crossings. They
-//! answer queries about points ([`Trims::contains`], [`Trims::contains_within`]) and rectangles
+//! answer queries about points ([`Trims::side_of`], [`Trims::side_within`]) and rectangles
 //! ([`Trims::classify`]), and give polylines to plot ([`Trims::outlines`]).
 //!
 //! ```
@@ -17,9 +17,9 @@
 //! ];
 //! let trims = Trims::new(domain, Kept::Odd, &loops)?;
 //!
-//! assert_eq!(trims.contains(DVec2::new(0.1, 0.2)), Side::Inside);
-//! assert_eq!(trims.contains(DVec2::new(0.6, 0.6)), Side::Outside);
-//! let on_the_rim = trims.contains(DVec2::new(0.75, 0.5));
+//! assert_eq!(trims.side_of(DVec2::new(0.1, 0.2)), Side::Inside);
+//! assert_eq!(trims.side_of(DVec2::new(0.6, 0.6)), Side::Outside);
+//! let on_the_rim = trims.side_of(DVec2::new(0.75, 0.5));
 //! assert!(matches!(on_the_rim, Side::Edge { .. }));
 //! assert_eq!(trims.classify(&UvBox::new([0.4, 0.6], [0.4, 0.6])), Coverage::Outside);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

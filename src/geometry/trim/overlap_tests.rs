@@ -44,11 +44,11 @@ fn two_loops_may_cross_by_next_to_nothing() {
         for hole in holes_over(over) {
             for loops in [[outline.clone(), hole.clone()], [hole.clone(), outline.reversed()]] {
                 let trims = made(&loops).unwrap_or_else(|error| panic!("{over:e}: {error}"));
-                assert_eq!(trims.contains(DVec2::new(1.5, 3.3)), Side::Outside);
-                assert_eq!(trims.contains(DVec2::new(0.5, 3.3)), Side::Inside);
+                assert_eq!(trims.side_of(DVec2::new(1.5, 3.3)), Side::Outside);
+                assert_eq!(trims.side_of(DVec2::new(0.5, 3.3)), Side::Inside);
                 for v in [SIZE - 2e-5, SIZE + 2e-5] {
                     let beside = if v < SIZE { Side::Inside } else { Side::Outside };
-                    assert_eq!(trims.contains(DVec2::new(0.5, v)), beside, "{over:e}");
+                    assert_eq!(trims.side_of(DVec2::new(0.5, v)), beside, "{over:e}");
                     let around = UvBox::new([0.4, 1.7], [v - 3e-5, v + 3e-5]);
                     assert_eq!(trims.classify(&around), Coverage::Mixed, "{over:e}");
                 }
@@ -57,8 +57,8 @@ fn two_loops_may_cross_by_next_to_nothing() {
     }
     // What lies beyond the outline counts by the even–odd rule.
     let trims = made(&[outline.clone(), holes_over(1e-7)[3].clone()]).unwrap();
-    assert_eq!(trims.contains(DVec2::new(1.5, SIZE + 0.5e-7)), Side::Inside);
-    assert_eq!(trims.contains(DVec2::new(1.5, SIZE - 0.5e-7)), Side::Outside);
+    assert_eq!(trims.side_of(DVec2::new(1.5, SIZE + 0.5e-7)), Side::Inside);
+    assert_eq!(trims.side_of(DVec2::new(1.5, SIZE - 0.5e-7)), Side::Outside);
 
     for over in MUCH {
         for hole in holes_over(over) {
@@ -137,8 +137,8 @@ fn narrow_slots_may_overlap_what_they_run_along() {
             for loops in [[outline.clone(), slot.clone()], [slot.clone(), outline.clone()]] {
                 let trims = made(&loops).unwrap_or_else(|error| panic!("{wide}, {over}: {error}"));
                 let within = DVec2::new(0.5 + 0.5 * wide, 0.5 - 0.5 * wide);
-                assert_eq!(trims.contains(within), Side::Outside, "{wide}, {over}");
-                assert_eq!(trims.contains(DVec2::new(0.6, 0.4)), Side::Inside, "{wide}, {over}");
+                assert_eq!(trims.side_of(within), Side::Outside, "{wide}, {over}");
+                assert_eq!(trims.side_of(DVec2::new(0.6, 0.4)), Side::Inside, "{wide}, {over}");
             }
         }
     }
@@ -153,8 +153,8 @@ fn a_loop_may_overlap_its_copy_a_period_away_by_next_to_nothing() {
     };
     for over in LITTLE {
         let trims = around(over).unwrap_or_else(|error| panic!("{over:e}: {error}"));
-        assert_eq!(trims.contains(DVec2::new(0.99, 0.5)), Side::Inside);
-        assert_eq!(trims.contains(DVec2::new(0.01, 0.6)), Side::Outside);
+        assert_eq!(trims.side_of(DVec2::new(0.99, 0.5)), Side::Inside);
+        assert_eq!(trims.side_of(DVec2::new(0.01, 0.6)), Side::Outside);
     }
     for over in MUCH {
         let error = around(2.0 * over).unwrap_err();

@@ -133,7 +133,7 @@ fn polygons() {
                             continue;
                         }
                     };
-                    let wrong = |at: &DVec2, unlike: Side| trims.contains(*at) == unlike;
+                    let wrong = |at: &DVec2, unlike: Side| trims.side_of(*at) == unlike;
                     let wrongly_out = inside.iter().map(at).any(|at| wrong(&at, Side::Outside));
                     let wrongly_in = outside.iter().map(at).any(|at| wrong(&at, Side::Inside));
                     if wrongly_in || wrongly_out {

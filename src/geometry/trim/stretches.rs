@@ -60,7 +60,7 @@ impl Trims {
         for pair in cuts.windows(2) {
             let mut middle = DVec2::splat(at);
             middle[free] = 0.5 * (pair[0] + pair[1]);
-            if pair[0] == pair[1] || self.contains_within(middle, slack) == Side::Outside {
+            if pair[0] == pair[1] || self.side_within(middle, slack) == Side::Outside {
                 continue;
             }
             match kept.last_mut() {

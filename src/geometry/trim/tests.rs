@@ -88,7 +88,7 @@ fn circles_are_where_pythagoras_puts_them() {
                 let off = if k % 2 == 0 { 1.0 + near } else { 1.0 - near };
                 let point = center + radius * off * DVec2::from_angle(angle);
                 let distance = (point - center).length() - radius;
-                let side = circle.contains(point);
+                let side = circle.side_of(point);
                 if distance.abs() > 2.0 * reach {
                     assert_eq!(side == Side::Inside, distance < 0.0, "{point} of {center}");
                     assert!(!is_edge(side), "{distance:e} from an edge of {radius}");
@@ -123,10 +123,10 @@ fn all_circles_of_the_source_note_cut_the_same() {
     for _ in 0..5000 {
         let point = random.in_box(UvBox::new([-1.2, 1.2], [-1.2, 1.2]));
         let round = point.length() < 1.0;
-        assert!(whole.iter().all(|t| inside(t.contains(point)) == round), "{point}");
-        assert_eq!(inside(half.contains(point)), round && point.x > 0.0, "{point}");
+        assert!(whole.iter().all(|t| inside(t.side_of(point)) == round), "{point}");
+        assert_eq!(inside(half.side_of(point)), round && point.x > 0.0, "{point}");
         let right = round && point.min_element() > 0.0;
-        assert!(quarter.iter().all(|t| inside(t.contains(point)) == right), "{point}");
+        assert!(quarter.iter().all(|t| inside(t.side_of(point)) == right), "{point}");
     }
 }
 
@@ -171,16 +171,16 @@ fn a_letter_with_counters_and_an_island() {
         for i in -2..=26 {
             let point = DVec2::new(0.25 * f64::from(i) + 0.0625, 0.5 * f64::from(j));
             let on_edge = letter.meets(&UvBox::about(point, DVec2::ZERO));
-            assert_eq!(is_edge(letter.contains(point)), on_edge);
+            assert_eq!(is_edge(letter.side_of(point)), on_edge);
             if !on_edge {
-                assert_eq!(inside(letter.contains(point)), in_letter(point), "{point}");
+                assert_eq!(inside(letter.side_of(point)), in_letter(point), "{point}");
             }
         }
     }
     let mut random = Random::new(3);
     for _ in 0..5000 {
         let point = random.in_box(UvBox::new([-1.0, 7.0], [-1.0, 9.0]));
-        assert_eq!(inside(letter.contains(point)), in_letter(point), "{point}");
+        assert_eq!(inside(letter.side_of(point)), in_letter(point), "{point}");
     }
 }
 
@@ -195,8 +195,8 @@ fn what_is_kept_can_be_turned_inside_out() {
     let mut random = Random::new(4);
     for _ in 0..2000 {
         let point = random.in_box(domain.bounds());
-        assert_ne!(odd.contains(point), even.contains(point));
-        assert_eq!(even.contains(point), framed.contains(point));
+        assert_ne!(odd.side_of(point), even.side_of(point));
+        assert_eq!(even.side_of(point), framed.side_of(point));
     }
 }
 
@@ -212,7 +212,7 @@ fn corners_and_pieces_of_every_direction_are_edges() {
             let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
             for part in [0.0, 0.25, 0.5, 1.0] {
                 let point = DVec2::new(a.0 + part * (b.0 - a.0), a.1 + part * (b.1 - a.1));
-                assert!(is_edge(trims.contains(point)), "{point}");
+                assert!(is_edge(trims.side_of(point)), "{point}");
                 assert!(trims.meets(&UvBox::about(point, DVec2::ZERO)));
             }
         }
@@ -231,7 +231,7 @@ fn corners_and_pieces_of_every_direction_are_edges() {
             (-1.0, 3.0, Some(false)),
             (2.0, 1.5, Some(true)),
         ] {
-            let side = trims.contains(scale * DVec2::new(u, v));
+            let side = trims.side_of(scale * DVec2::new(u, v));
             assert_eq!(is_edge(side), expected.is_none(), "({u}, {v})");
             assert!(expected.is_none_or(|expected| inside(side) == expected), "({u}, {v})");
         }
@@ -255,7 +255,7 @@ fn star_polygons_wind_as_their_angles_say() {
         for _ in 0..300 {
             let point = random.in_box(UvBox::new([-1.5, 2.5], [-1.5, 2.5]));
             let expected = turns_around(&corners, point) != 0;
-            assert_eq!(inside(star.contains(point)), expected, "{point} in {corners:?}");
+            assert_eq!(inside(star.side_of(point)), expected, "{point} in {corners:?}");
         }
     }
 }
@@ -294,8 +294,8 @@ fn smooth_loops_agree_with_dense_polylines() {
                 }
                 if away(&outline, point) > 1e-4 {
                     let expected = turns_around(&outline, point) % 2 != 0;
-                    assert_eq!(inside(cut.contains(point)), expected, "{point}, degree {degree}");
-                    assert!(!is_edge(cut.contains(point)));
+                    assert_eq!(inside(cut.side_of(point)), expected, "{point}, degree {degree}");
+                    assert!(!is_edge(cut.side_of(point)));
                 }
             }
         }
@@ -319,7 +319,7 @@ fn points_of_the_curve_are_edges_and_their_surroundings_are_not() {
             for k in 0..=300 {
                 let t = f64::from(k) / 300.0;
                 let on = curve.derivatives(t);
-                assert!(is_edge(cut.contains(on.point.truncate())), "{degree} {scale} {shift} {t}");
+                assert!(is_edge(cut.side_of(on.point.truncate())), "{degree} {scale} {shift} {t}");
                 let normal = on.first.truncate().perp().normalize();
                 let corner = |knot: &f64| degree == 1 && (t - knot).abs() < 1e-9;
                 let smooth = !curve.knots().values().iter().any(corner);
@@ -327,7 +327,7 @@ fn points_of_the_curve_are_edges_and_their_surroundings_are_not() {
                     // Across the curve and off it: the two sides differ and are certain.
                     let off = 40.0 * reach * normal;
                     let (a, b) = (on.point.truncate() + off, on.point.truncate() - off);
-                    let sides = [cut.contains(a), cut.contains(b)];
+                    let sides = [cut.side_of(a), cut.side_of(b)];
                     assert!(!sides.iter().any(|s| is_edge(*s)), "{degree} {scale} {shift} {t}");
                     assert!(inside(sides[0]) != inside(sides[1]), "{degree} {t}");
                 }
@@ -348,7 +348,7 @@ fn direction_does_not_matter_bit_for_bit() {
             let on = curve.point_at(random.next()).truncate();
             let spread = 10f64.powi(-(k % 17));
             let point = on + spread * (DVec2::new(random.next(), random.next()) - 0.5);
-            assert_eq!(there.contains(point), back.contains(point));
+            assert_eq!(there.side_of(point), back.side_of(point));
         }
     }
 }
@@ -368,8 +368,8 @@ fn loops_across_a_seam_are_loops_moved_by_the_period() {
     let mut random = Random::new(9);
     for _ in 0..3000 {
         let point = random.in_box(domain.bounds());
-        let expected = both.contains(point);
-        assert!(seams.iter().all(|t| t.contains(point) == expected), "{point}");
+        let expected = both.side_of(point);
+        assert!(seams.iter().all(|t| t.side_of(point) == expected), "{point}");
         let u = point.x.min(TAU - point.x);
         assert_eq!(inside(expected), DVec2::new(u, point.y - 0.5).length() > 0.3, "{point}");
     }
@@ -382,9 +382,9 @@ fn loops_across_a_seam_are_loops_moved_by_the_period() {
     let corner = Trims::new(torus, Kept::Even, &[corner]).unwrap();
     assert_eq!(corner.loop_count(), 4);
     for (u, v) in [(0.1, 0.1), (6.2, 0.1), (0.1, 0.9), (6.2, 0.9)] {
-        assert_eq!(corner.contains(DVec2::new(u, v)), Side::Outside);
+        assert_eq!(corner.side_of(DVec2::new(u, v)), Side::Outside);
     }
-    assert_eq!(corner.contains(DVec2::new(0.2, 0.2)), Side::Inside);
+    assert_eq!(corner.side_of(DVec2::new(0.2, 0.2)), Side::Inside);
 }
 
 #[test]
@@ -404,7 +404,7 @@ fn a_cylinder_cut_by_a_wave_is_a_sheet_unrolled() {
         let point = random.in_box(domain.bounds());
         let height = 1.0 + 0.5 * point.x.sin();
         if (point.y - height).abs() > 1e-4 {
-            assert_eq!(inside(trims.contains(point)), point.y < height, "{point}");
+            assert_eq!(inside(trims.side_of(point)), point.y < height, "{point}");
         }
     }
 }
@@ -425,8 +425,8 @@ fn rectangles_are_classified_without_error() {
         let corners = (0..25)
             .map(|k| rect.min + rect.size() * DVec2::new(f64::from(k % 5), f64::from(k / 5)) / 4.0);
         match coverage {
-            Coverage::Inside => corners.for_each(|p| assert_eq!(cut.contains(p), Side::Inside)),
-            Coverage::Outside => corners.for_each(|p| assert_eq!(cut.contains(p), Side::Outside)),
+            Coverage::Inside => corners.for_each(|p| assert_eq!(cut.side_of(p), Side::Inside)),
+            Coverage::Outside => corners.for_each(|p| assert_eq!(cut.side_of(p), Side::Outside)),
             // Mixed is returned only if a curve does pass through.
             Coverage::Mixed => {
                 let near = outlines.iter().map(|o| away(o, center)).fold(f64::INFINITY, f64::min);
@@ -455,7 +455,7 @@ fn what_is_kept_of_a_rectangle_is_within_a_close_one() {
             for k in 0..=steps * steps {
                 let place = DVec2::new(f64::from(k % steps), f64::from(k / steps));
                 let point = (rect.min + rect.size() * place / f64::from(steps)).min(rect.max);
-                if cut.contains(point) != Side::Outside {
+                if cut.side_of(point) != Side::Outside {
                     assert!(kept.is_some_and(|kept| kept.holds(point)), "{point} of {rect:?}");
                     seen = seen.union(UvBox { min: point, max: point });
                 }
@@ -528,7 +528,7 @@ fn nearness_of_a_circle_is_its_distance() {
     }
     assert!(circle.meets(&UvBox::about(DVec2::new(50.0, 2.0), DVec2::new(f64::INFINITY, 0.5))));
     assert!(!circle.meets(&UvBox::about(DVec2::new(f64::NAN, 2.0), DVec2::ONE)));
-    assert_eq!(circle.contains(DVec2::new(3.0, f64::NAN)), Side::Outside);
+    assert_eq!(circle.side_of(DVec2::new(3.0, f64::NAN)), Side::Outside);
 }
 
 #[test]

@@ -106,7 +106,7 @@ pub enum Coverage {
 /// kept and marked as mixed. A hit on a mixed leaf is dropped if it is [`Side::Outside`] and
 /// reported otherwise, edges included: the kept part is closed, as a surface is at its border. A
 /// hit is flagged as being at a trim edge if it is an [`Side::Edge`]
-/// [within](Trims::contains_within) the error bound of its point in space, but not if the only
+/// [within](Trims::side_within) the error bound of its point in space, but not if the only
 /// curves there lie on the domain's border. Away from edges, the few curves near a leaf give the
 /// same answers faster.
 #[derive(Clone, Debug, PartialEq)]
@@ -197,8 +197,8 @@ impl Trims {
     ///
     /// For points outside the domain only the loops count, not the domain's border: the caller
     /// knows where the surface ends.
-    pub fn contains(&self, uv: DVec2) -> Side {
-        self.contains_within(uv, DVec2::ZERO)
+    pub fn side_of(&self, uv: DVec2) -> Side {
+        self.side_within(uv, DVec2::ZERO)
     }
 
     /// Where a point of the domain lies that is known only to within `reach.x` in u and `reach.y`
@@ -208,11 +208,11 @@ impl Trims {
     /// For a hit whose point is known to within `r` in space and whose tangents meet at the angle
     /// `θ`, `reach = (r / (|S_u| sin θ), r / (|S_v| sin θ))` covers all parameters that the hit may
     /// have, to first order. Infinite reaches are allowed; NaN and negative values count as zero.
-    pub fn contains_within(&self, uv: DVec2, reach: DVec2) -> Side {
+    pub fn side_within(&self, uv: DVec2, reach: DVec2) -> Side {
         self.seen_within(uv, reach, 1.0)
     }
 
-    /// [`Trims::contains_within`], but of the curves' rounding errors only this part counts.
+    /// [`Trims::side_within`], but of the curves' rounding errors only this part counts.
     pub(crate) fn seen_within(&self, uv: DVec2, reach: DVec2, part: f64) -> Side {
         if uv.is_nan() {
             return Side::Outside;
@@ -240,7 +240,7 @@ impl Trims {
     /// Where a rectangle of the domain lies.
     ///
     /// `Inside` and `Outside` are proved: no trim curve comes within rounding error of the closed
-    /// rectangle, so [`Trims::contains`] gives the same answer for each of its points. Curves along
+    /// rectangle, so [`Trims::side_of`] gives the same answer for each of its points. Curves along
     /// the domain's border do not count, as what they cut off is not part of the surface: points
     /// within rounding of such a border may be on either side. An invalid rectangle (`min > max`,
     /// NaN) is `Mixed`.
@@ -249,7 +249,7 @@ impl Trims {
         if !proper || self.cuts(rect) {
             return Coverage::Mixed;
         }
-        match self.contains(rect.center()) {
+        match self.side_of(rect.center()) {
             Side::Inside => Coverage::Inside,
             Side::Outside => Coverage::Outside,
             Side::Edge { .. } => Coverage::Mixed,
@@ -272,7 +272,7 @@ impl Trims {
             kept.min.cmple(min).all() && kept.max.cmpge(max).all()
         });
         for corner in [min, max, DVec2::new(min.x, max.y), DVec2::new(max.x, min.y)] {
-            if !kept.holds(corner) && self.contains(corner) != Side::Outside {
+            if !kept.holds(corner) && self.side_of(corner) != Side::Outside {
                 kept = kept.union(UvBox { min: corner, max: corner });
             }
         }

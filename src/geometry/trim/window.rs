@@ -2,7 +2,7 @@
 //!
 //! Most places that a tracer asks about lie in leaves that one or two curves pass through. For such
 //! a rectangle, the *window*, a few numbers a curve tell which side of it a point is on, many
-//! points at a time. Where they do not tell, [`Trims::contains_within`] does.
+//! points at a time. Where they do not tell, [`Trims::side_within`] does.
 //!
 //! # Why it is certain
 //! Whether a point is kept is the parity of the number of times a ray from it towards larger u
@@ -160,7 +160,7 @@ impl Trims {
         const PLACES: [f64; 5] = [0.0, -0.5, 0.5, -0.9, 0.9];
         let grid = PLACES.iter().flat_map(|&y| PLACES.iter().map(move |&x| DVec2::new(x, y)));
         let decided = grid.into_iter().find_map(|point| {
-            let is_inside = match self.contains(uv(point)) {
+            let is_inside = match self.side_of(uv(point)) {
                 Side::Inside => true,
                 Side::Outside => false,
                 Side::Edge { .. } => return None,
@@ -218,7 +218,7 @@ mod tests {
                 }
                 let reach = DVec2::splat(if signed() < 0.0 { 0.0 } else { 1e-3 });
                 let seen = is_kept(&window, point, reach);
-                let exact = trims.contains_within(center + half * point, reach * half);
+                let exact = trims.side_within(center + half * point, reach * half);
                 match (seen, exact) {
                     (Some(true), Side::Inside) | (Some(false), Side::Outside) | (None, _) => {}
                     wrong => panic!("{wrong:?} at {point} of {half} about {center}: {window:?}"),

@@ -121,7 +121,7 @@ impl Pieces {
         }
         let middle = piece.middle();
         let span = |knots: &KnotVector, t: f64| {
-            let index = knots.span(t);
+            let index = knots.span_index(t);
             (index, [knots.values()[index], knots.values()[index + 1]])
         };
         let (i, [u0, u1]) = span(self.form.knots_u(), middle.x);

@@ -50,7 +50,7 @@ impl TrimmedSurface {
 
     /// Whether a point of the domain is kept, edges included.
     pub fn keeps(&self, uv: DVec2) -> bool {
-        self.trims.contains(uv) != Side::Outside
+        self.trims.side_of(uv) != Side::Outside
     }
 
     /// The surface and its trims run backwards in u, which reverses the normals; the domain stays

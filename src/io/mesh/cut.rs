@@ -175,7 +175,7 @@ impl<'a> Cutter<'a> {
     }
 
     fn keeps(&self, uv: DVec2) -> bool {
-        match self.trims.contains(uv) {
+        match self.trims.side_of(uv) {
             Side::Inside => true,
             Side::Outside => false,
             Side::Edge { inside, .. } => inside,

@@ -200,7 +200,7 @@ impl Plan {
             let Lattice { us, vs, mut positions, .. } = piece.lattice(us, vs, false);
             if let Some(trims) = &piece.trims {
                 let places = us.iter().flat_map(|&u| vs.iter().map(move |&v| DVec2::new(u, v)));
-                let mut kept = places.map(|uv| trims.contains(uv) != Side::Outside);
+                let mut kept = places.map(|uv| trims.side_of(uv) != Side::Outside);
                 positions.retain(|_| kept.next() == Some(true));
                 let domain = UvBox::new([us[0], us[us.len() - 1]], [vs[0], vs[vs.len() - 1]]);
                 let joints = trims.joints().filter(|joint| domain.holds(*joint));

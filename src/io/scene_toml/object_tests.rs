@@ -92,7 +92,7 @@ fn what_cannot_be_made_from_curves_is_told() {
 }
 
 #[test]
-fn a_centre_is_the_first_step_of_a_circle_s_transform() {
+fn a_center_is_the_first_step_of_a_circle_s_transform() {
     let arc = |keys: &str, steps: &str| {
         let profile =
             format!("{{ arc = {{ {keys} radius = 2, degrees = 90 }}, transform = [{steps}] }}");

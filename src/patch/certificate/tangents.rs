@@ -94,7 +94,7 @@ struct Tangents<'a> {
 
 /// What is proved about a net in the frame of `a₀` and `b₀`.
 fn regular_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
-    let field = net.recentred(net.middle());
+    let field = net.recentered(net.middle());
     if net.rational && field.values.len() <= MOST_MULTIPLIED {
         let along = [0, 1].map(|which| field.quotients_slope(which));
         return Tangents::of_quotient(net, &field, &along)?.proof(&field, false, axes);
@@ -108,7 +108,7 @@ fn regular_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
 /// The same for a net whose side `t = 0` is collapsed to a point.
 fn pole_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
     let pole = euclidean(net.control[0]);
-    let field = net.recentred(pole);
+    let field = net.recentered(pole);
     let (along_s, along_t) = (field.derivative_s(), field.derivative_t());
     let over_t = field.over_t();
     let (offsets, scaled);
@@ -373,7 +373,7 @@ mod tests {
             let (patch, _) = TensorPatch::new(&Arc::new(ChartNet::single(degree, &control)), [0, 0]);
             let noise = patch.noise();
             let net = Net { degree, control: &control, noise, rational, spacing: [1e-16; 2] };
-            let field = net.recentred(net.middle());
+            let field = net.recentered(net.middle());
             let (along_s, along_t) = (field.derivative_s(), field.derivative_t());
             let offsets = rational.then(|| field.offsets());
             let factors = [offsets.as_ref(); 2];

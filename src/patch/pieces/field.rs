@@ -29,7 +29,7 @@ impl Net<'_> {
 
     /// The coefficients `(w (P − c), w)`.
     #[inline(always)]
-    pub(in crate::patch) fn recentred(&self, center: DVec3) -> Field {
+    pub(in crate::patch) fn recentered(&self, center: DVec3) -> Field {
         let values = mapped(self.control, |c| (c.truncate() - c.w * center).extend(c.w));
         Field { degree: self.degree, values }
     }

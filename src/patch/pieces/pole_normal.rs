@@ -24,7 +24,7 @@ pub(super) fn normal_by_pole(
     let (control, noise) = (patch.control_net(), patch.noise());
     let net = |degree, control| Net { degree, control, noise, rational: true, spacing: [0.0; 2] };
     let (degree @ [p, q], control) = net(patch.degree(), &control).with_collapsed_first(side);
-    let field = net(degree, &control).recentred(pole);
+    let field = net(degree, &control).recentered(pole);
     let quotient = field.over_t();
 
     let t = RectSide::distances(st)[side].max(0.0);

@@ -137,7 +137,7 @@ fn chart_samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
     let points = surface.points_at(&us, &vs);
     let Some(trims) = &chart.trims else { return points };
     let grid = us.iter().flat_map(|&u| vs.iter().map(move |&v| DVec2::new(u, v)));
-    let kept = |&(uv, _): &(DVec2, DVec3)| trims.contains(uv) != Side::Outside;
+    let kept = |&(uv, _): &(DVec2, DVec3)| trims.side_of(uv) != Side::Outside;
     let kept = grid.zip(points).filter(kept).map(|(_, point)| point);
     // Small parts may lie between the points of the grid, but not between those of their own edges.
     let domain = trims.domain().bounds();

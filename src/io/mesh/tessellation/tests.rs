@@ -138,7 +138,7 @@ fn kept_area(cells: usize, loops: &[TrimLoop]) -> f64 {
         let middle = 0.5 * (a + b);
         let at_border = (middle - 0.5).abs().max_element() == 0.5;
         let reach = DVec2::splat(2e-4);
-        let at_loop = matches!(trims.contains_within(middle, reach), Side::Edge { .. });
+        let at_loop = matches!(trims.side_within(middle, reach), Side::Edge { .. });
         assert!(at_border || at_loop, "{a} to {b}");
     }
     area(&made)
