@@ -141,7 +141,7 @@ fn authored(world: &World, index: usize) -> SurfaceFacts {
         degree: surface.degree(),
         rational: surface.is_rational(),
         points: surface.point_count(),
-        size: surface.nurbs().map(|surface| surface.size().into()),
+        size: surface.nurbs().map(|surface| surface.size()),
         domain: surface.domain(),
         pieces: 0,
         leaves: 0,
