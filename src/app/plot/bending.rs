@@ -18,7 +18,7 @@ const COARSEST: f64 = 1e-3;
 
 impl Bending {
     pub(super) fn of(curve: &NurbsCurve) -> Self {
-        let points = (0..curve.control().len()).map(|index| curve.point(index));
+        let points = curve.points();
         let coarsest = COARSEST / Aabb::around(points).size().length();
         Self { curve: curve.clone(), coarsest }
     }

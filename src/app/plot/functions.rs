@@ -175,8 +175,9 @@ pub(super) fn blending(title: Option<String>, form: MatrixForm) -> Panel {
 pub(super) fn derivatives(title: Option<String>, (curve, order): (&NurbsCurve, usize)) -> Panel {
     let spans = pieces(curve.knots());
     let coordinates = [("x", 0), ("y", 1), ("z", 2)].into_iter().filter(|&(_, axis)| {
-        let first = curve.point(0)[axis];
-        (1..curve.control().len()).any(|index| curve.point(index)[axis] != first)
+        let mut values = curve.points().map(|point| point[axis]);
+        let first = values.next();
+        values.any(|value| Some(value) != first)
     });
     let values = coordinates.map(|(name, axis)| {
         let curve = curve.clone();

@@ -73,7 +73,7 @@ fn control_points(curve: &NurbsCurve, order: usize) -> Option<Vec<DVec3>> {
     if curve.control().iter().any(|point| point.w != weight) {
         return None;
     }
-    let mut points: Vec<DVec3> = (0..curve.control().len()).map(|k| curve.point(k)).collect();
+    let mut points: Vec<DVec3> = curve.points().collect();
     let mut knots = curve.knots().values();
     for p in (curve.knots().degree() + 1 - order..=curve.knots().degree()).rev() {
         let pairs = points.windows(2).enumerate();

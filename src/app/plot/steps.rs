@@ -127,9 +127,9 @@ pub(super) fn insertion(
     let mut legend = vec![(Key::Line(drawn), "curve".to_owned())];
     let mut curve = curve.clone();
     for (index, knot) in knots.iter().enumerate() {
-        let old: Vec<DVec3> = (0..curve.control().len()).map(|k| curve.point(k)).collect();
+        let old: Vec<DVec3> = curve.points().collect();
         curve = curve.insert_knot(knot.value, 1)?;
-        let all: Vec<DVec3> = (0..curve.control().len()).map(|k| curve.point(k)).collect();
+        let all: Vec<DVec3> = curve.points().collect();
         let (shade, is_new) = (color(index), |point: &DVec3| !old.contains(point));
         let seen = |points: &[DVec3]| points.iter().map(|&p| projection.of(p)).collect();
 
@@ -162,8 +162,7 @@ pub(super) fn elevation(
     let mut elevated = curve.clone();
     for round in 0..times {
         elevated = elevated.elevated(1)?;
-        let points: Vec<DVec2> =
-            (0..elevated.control().len()).map(|k| projection.of(elevated.point(k))).collect();
+        let points: Vec<DVec2> = elevated.points().map(|point| projection.of(point)).collect();
         let shade = color(round);
         let stroke = Stroke::numbered(round).wide(1.5);
         items.push(Item::Line { points: points.clone(), stroke });

@@ -106,9 +106,8 @@ fn name(kind: LoopCurveKind) -> &'static str {
 /// The control points of all curves but circles, which are written without any.
 fn controls(loops: &[Vec<LoopCurve>], legend: &mut Vec<(Key, String)>) -> Vec<Item> {
     let written = loops.iter().flatten().filter(|one| one.kind != LoopCurveKind::Arc);
-    let polygons: Vec<Vec<DVec2>> = written
-        .map(|one| (0..one.curve.control().len()).map(|k| one.curve.point(k).xy()).collect())
-        .collect();
+    let polygons: Vec<Vec<DVec2>> =
+        written.map(|one| one.curve.points().map(|point| point.xy()).collect()).collect();
     let count: usize = polygons.iter().map(Vec::len).sum();
     if count == 0 || count > MOST_CONTROLS {
         return Vec::new();
@@ -166,9 +165,7 @@ fn numbers(loops: &[Vec<LoopCurve>]) -> Vec<Item> {
     let starts = loops.iter().enumerate().filter_map(|(number, curves)| {
         let curve = &curves.first()?.curve;
         let start = curve.point_at(curve.domain()[0]).xy();
-        let all = curves.iter().flat_map(|one| {
-            (0..one.curve.control().len()).map(|index| one.curve.point(index).xy())
-        });
+        let all = curves.iter().flat_map(|one| one.curve.points().map(|point| point.xy()));
         let (sum, count) = all.fold((DVec2::ZERO, 0.0), |(sum, n), point| (sum + point, n + 1.0));
         Some((number, start, start - sum / count))
     });

@@ -38,7 +38,7 @@ pub(super) fn cut_at_axis(profile: &NurbsCurve, axis: &Axis) -> Result<NurbsCurv
         let of_profile = || ConstructError::of("profile");
         let whole = cut.insert_knot(t, missing).map_err(of_profile())?;
         let index = whole.knots().span_index(t) - degree;
-        let (point, weight) = (whole.point(index), whole.weight(index));
+        let (point, weight) = (whole.vertex(index), whole.control()[index].w);
         let away = axis.across(point);
         if away.length() <= tolerance.at(t) {
             let mut control: Vec<DVec4> = whole.control().to_vec();
@@ -114,12 +114,12 @@ fn meetings(profile: &NurbsCurve, axis: &Axis, tolerance: &Tolerance<'_>) -> Vec
 /// accurately that the coordinate itself vanishes up to rounding.
 fn candidates(piece: &NurbsCurve, axis: &Axis) -> Vec<f64> {
     let count = piece.control().len();
-    let away = |index: usize| axis.across(piece.point(index));
+    let away = |index: usize| axis.across(piece.vertex(index));
     let farthest = (0..count)
         .map(away)
         .fold(DVec3::ZERO, |a, b| if b.length_squared() > a.length_squared() { b } else { a });
     let Some(first) = unit(farthest) else { return Vec::new() };
-    let weights: Vec<f64> = (0..count).map(|index| piece.weight(index)).collect();
+    let weights: Vec<f64> = (0..count).map(|index| piece.control()[index].w).collect();
     let magnitude = piece.magnitude().max(axis.magnitude());
     let noise: Vec<f64> =
         weights.iter().map(|weight| ROUNDINGS * UNIT_ROUNDOFF * magnitude * weight).collect();
@@ -215,12 +215,12 @@ mod tests {
         let degree = knots.degree();
         let collapsed = |t: &f64| {
             let row = knots.span_index(*t) - degree;
-            let first = surface.point(0, row);
+            let first = surface.vertex(0, row);
             // The same homogeneous point except for the weights around, division by which rounds.
             let one = 2.0 * f64::EPSILON * first.abs().max_element();
             let mut around = 1..surface.size()[0];
             knots.multiplicity(*t) == degree
-                && around.all(|i| surface.point(i, row).distance(first) <= one)
+                && around.all(|i| surface.vertex(i, row).distance(first) <= one)
         };
         let inner: Vec<f64> = knots.spans().skip(1).map(|span| span.start).collect();
         let collapsed = inner.iter().filter(|t| collapsed(t)).count();

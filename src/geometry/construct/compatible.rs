@@ -74,9 +74,9 @@ pub(crate) fn compatible(
 /// Whether the weights of two compatible curves are proportional, up to rounding. If they are,
 /// curves with the same control points are the same.
 pub(crate) fn same_weights(a: &NurbsCurve, b: &NurbsCurve) -> bool {
-    let factor = a.weight(0) / b.weight(0);
+    let factor = a.control()[0].w / b.control()[0].w;
     (0..a.control().len()).all(|i| {
-        let (weight, other) = (a.weight(i), factor * b.weight(i));
+        let (weight, other) = (a.control()[i].w, factor * b.control()[i].w);
         (weight - other).abs() <= SAME_WEIGHT * weight
     })
 }

@@ -269,7 +269,7 @@ mod tests {
         let weights = vec![3.0, 1.0, 2.0, 0.5, 1.0, 1.0, 0.2];
         let curve = NurbsCurve::new(knots, points, Some(weights)).unwrap();
         let unit = with_unit_ends(&curve).unwrap();
-        assert_eq!((unit.weight(0), unit.weight(6)), (1.0, 1.0));
+        assert_eq!((unit.control()[0].w, unit.control()[6].w), (1.0, 1.0));
         let lambda = 15_f64.powf(1.0 / 3.0);
         for k in 0..=50 {
             let s = f64::from(k) / 50.0;

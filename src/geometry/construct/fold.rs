@@ -47,7 +47,7 @@ pub(crate) fn check_turned(
         let distance = axis.across(profile.point_at(profile.domain()[0])).length();
         return Err(ConstructError::OneCircle { distance });
     }
-    let reach = (0..profile.control().len()).map(|i| axis.across(profile.point(i)).length());
+    let reach = profile.points().map(|point| axis.across(point).length());
     let near = ON_AXIS * reach.fold(0.0, f64::max);
     for Fold { t, twice, .. } in course.folds() {
         let point = profile.point_at(t);
@@ -95,14 +95,14 @@ fn seen_along(curve: &NurbsCurve, vector: DVec3) -> Course {
 
 /// The profile as `(r² / R, z, 0)`, where `R` is its largest distance from the axis.
 fn turned(profile: &NurbsCurve, axis: &Axis) -> Course {
-    let points = || (0..profile.control().len()).map(|i| profile.point(i));
+    let points = || profile.points();
     let reach = points().map(|point| axis.across(point).length()).fold(0.0, f64::max);
     Course::mapped(profile, |piece| {
         let p = piece.knots().degree();
         let mut control = vec![DVec4::ZERO; 2 * p + 1];
         let point = |i: usize| {
-            let point = piece.point(i);
-            (axis.across(point), axis.height(point), piece.weight(i))
+            let point = piece.vertex(i);
+            (axis.across(point), axis.height(point), piece.control()[i].w)
         };
         let points: Vec<(DVec3, f64, f64)> = (0..=p).map(point).collect();
         for (i, (a, z, w)) in points.iter().enumerate() {

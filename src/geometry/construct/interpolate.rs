@@ -178,7 +178,7 @@ mod tests {
         // Chords of equal length: parameters 0, √2, 2√2 and the middle control point 2Q₁ − …
         let points = [[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [2.0, 0.0, 0.0]].map(DVec3::from);
         let curve = NurbsCurve::through(&points, 2).unwrap();
-        assert!(curve.point(1).distance(DVec3::new(1.0, 2.0, 0.0)) < 1e-15);
+        assert!(curve.vertex(1).distance(DVec3::new(1.0, 2.0, 0.0)) < 1e-15);
     }
 
     #[test]

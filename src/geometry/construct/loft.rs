@@ -97,7 +97,7 @@ fn check_way_back(sections: &[NurbsCurve], degree: usize) -> Result<(), Construc
         let (a, b) = (&three[0], &three[2]);
         let near = SAME_PLACE * a.magnitude();
         let mut points = 0..a.control().len();
-        if same_weights(a, b) && points.all(|i| a.point(i).distance(b.point(i)) <= near) {
+        if same_weights(a, b) && points.all(|i| a.vertex(i).distance(b.vertex(i)) <= near) {
             return Err(ConstructError::ComesBack { first, turn: first + 1, last: first + 2 });
         }
     }
@@ -106,7 +106,7 @@ fn check_way_back(sections: &[NurbsCurve], degree: usize) -> Result<(), Construc
 
 /// The control points of a section, scaled to begin with weight 1; unchanged if they already do.
 fn scaled(section: &NurbsCurve) -> Vec<DVec4> {
-    let first = section.weight(0);
+    let first = section.control()[0].w;
     section.control().iter().map(|&point| point / first).collect()
 }
 

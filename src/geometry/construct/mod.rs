@@ -21,7 +21,7 @@
 //! let cone = revolve(&line, &Axis::Z, 360.0)?;
 //! let middle = cone.point_at(DVec2::new(0.125, line.domain()[1] / 2.0));
 //! assert!((middle.truncate().length() - 1.0).abs() < 1e-15);
-//! assert_eq!(cone.point(5, 1), DVec3::new(0.0, 0.0, 3.0)); // the tip, whatever u
+//! assert_eq!(cone.point(5, 1), Some(DVec3::new(0.0, 0.0, 3.0))); // the tip, whatever u
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

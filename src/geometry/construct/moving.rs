@@ -259,7 +259,7 @@ pub(crate) fn approximate(
     frames: &MovingFrames,
     tolerance: f64,
 ) -> Result<Sweep, ConstructError> {
-    let points: Vec<DVec3> = (0..profile.control().len()).map(|i| profile.point(i)).collect();
+    let points: Vec<DVec3> = profile.points().collect();
     let mut columns: Vec<Carrier> = Vec::new();
     let mut breaks = vec![frames.domain[0]];
     let mut deviation: f64 = 0.0;
@@ -302,7 +302,7 @@ pub(crate) fn approximate(
         .map_err(|error| ConstructError::Curve { which: "path".to_owned(), error: error.into() })?;
     let mut net = Vec::with_capacity(net_size(points.len(), columns.len())?);
     for (i, &point) in points.iter().enumerate() {
-        let weight = profile.weight(i);
+        let weight = profile.control()[i].w;
         net.extend(columns.iter().map(|column| (weight * column.carried(point)).extend(weight)));
     }
     let surface = NurbsSurface::from_homogeneous(profile.knots().clone(), knots, net)?;

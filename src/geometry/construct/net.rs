@@ -29,7 +29,7 @@ impl From<&NurbsSurface> for ControlNet {
         let mut net = Self::default();
         for (i, j) in (0..nu).flat_map(|i| (0..nv).map(move |j| (i, j))) {
             let here = net.points.len();
-            net.points.push(surface.point(i, j));
+            net.points.push(surface.vertex(i, j));
             net.lines.extend((i + 1 < nu).then_some([here, here + nv]));
             net.lines.extend((j + 1 < nv).then_some([here, here + 1]));
         }
@@ -59,7 +59,7 @@ impl From<&NurbsCurve> for ControlNet {
     fn from(curve: &NurbsCurve) -> Self {
         let count = curve.control().len();
         Self {
-            points: (0..count).map(|i| curve.point(i)).collect(),
+            points: (0..count).map(|i| curve.vertex(i)).collect(),
             lines: (1..count).map(|i| [i - 1, i]).collect(),
         }
     }

@@ -48,7 +48,7 @@ fn last_leg(curve: &NurbsCurve) -> Option<DVec3> {
 fn leg(curve: &NurbsCurve, from: usize, mut others: impl Iterator<Item = usize>) -> Option<DVec3> {
     let near = SAME_PLACE * curve.magnitude();
     others.find_map(|index| {
-        let away = curve.point(index) - curve.point(from);
+        let away = curve.vertex(index) - curve.vertex(from);
         (away.length() > near).then_some(away)
     })
 }
@@ -113,7 +113,7 @@ pub(crate) fn is_straight(curve: &NurbsCurve) -> bool {
     let slack = SAME_PLACE * curve.magnitude();
     let mut reached = 0.0;
     (0..curve.control().len()).all(|index| {
-        let from = curve.point(index) - a;
+        let from = curve.vertex(index) - a;
         let length = from.dot(along);
         let on_the_line = (from - length * along).length() <= slack && length >= reached - slack;
         reached = length.max(reached);

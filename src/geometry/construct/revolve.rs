@@ -53,7 +53,7 @@ pub fn revolve(
     }
     let points = |profile: &NurbsCurve| -> Vec<Turned> {
         (0..profile.control().len())
-            .map(|index| turned(profile.point(index), profile.weight(index), axis))
+            .map(|index| turned(profile.vertex(index), profile.control()[index].w, axis))
             .collect()
     };
     if points(profile).iter().all(|point| point.across == DVec3::ZERO) {
@@ -138,9 +138,9 @@ mod tests {
         let profile = NurbsCurve::new(knots, points.clone(), Some(vec![1.0, 0.7, 2.0])).unwrap();
         let lens = revolve(&profile, &axis, 360.0).unwrap();
         for i in 0..9 {
-            let (first, last) = (lens.point(i, 0), lens.point(i, 2));
+            let (first, last) = (lens.vertex(i, 0), lens.vertex(i, 2));
             assert!(first.distance(points[0]) < 1e-16 && last.distance(points[2]) < 3e-16);
-            assert_eq!(lens.point(0, 1), lens.point(8, 1), "closed");
+            assert_eq!(lens.vertex(0, 1), lens.vertex(8, 1), "closed");
         }
         let poles = [lens.normal(DVec2::new(0.3, 0.0)), lens.normal(DVec2::new(0.8, 1.0))]
             .map(Option::unwrap);

@@ -43,13 +43,13 @@ pub fn extrude(profile: &NurbsCurve, by: DVec3) -> Result<NurbsSurface, Construc
 /// passes over itself on the way.
 fn check_between(from: &NurbsCurve, to: &NurbsCurve) -> Result<(), ConstructError> {
     let near = SAME_PLACE * from.magnitude().max(to.magnitude());
-    let steps = || (0..from.control().len()).map(|i| to.point(i) - from.point(i));
+    let steps = || (0..from.control().len()).map(|i| to.vertex(i) - from.vertex(i));
     let same_weights = same_weights(from, to);
     if same_weights && steps().all(|step| step.length() <= near) {
         let which = "curves `from` and `to`".to_owned();
         return Err(ConstructError::NothingBetween { which });
     }
-    let by = to.point(0) - from.point(0);
+    let by = to.vertex(0) - from.vertex(0);
     let moved = steps().all(|step| step.distance(by) <= near);
     if moved && same_weights { check_moved(from, by, "curve `from`") } else { Ok(()) }
 }

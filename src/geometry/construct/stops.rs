@@ -76,7 +76,7 @@ fn is_whole((part, piece): (&Part, &NurbsCurve)) -> bool {
 
 fn stands_still(piece: &NurbsCurve) -> bool {
     let near = SAME_PLACE * piece.magnitude();
-    (1..piece.control().len()).all(|index| piece.point(index).distance(piece.point(0)) <= near)
+    (1..piece.control().len()).all(|index| piece.vertex(index).distance(piece.vertex(0)) <= near)
 }
 
 /// A Bézier piece cut at the places within it where it stands still.

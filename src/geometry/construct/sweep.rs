@@ -124,12 +124,12 @@ fn check_options(options: &SweepOptions) -> Result<(), ConstructError> {
 
 /// The largest distance of a profile's control points from its origin.
 pub(crate) fn reach(profile: &NurbsCurve) -> f64 {
-    (0..profile.control().len()).map(|i| profile.point(i).length()).fold(0.0, f64::max)
+    profile.points().map(|point| point.length()).fold(0.0, f64::max)
 }
 
 /// The diagonal of the bounding box of the control points.
 fn extent(curve: &NurbsCurve) -> f64 {
-    let points = (0..curve.control().len()).map(|i| curve.point(i));
+    let points = curve.points();
     let (low, high) = points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), point| {
         (low.min(point), high.max(point))
     });
@@ -157,17 +157,17 @@ fn along_a_line(
                 .and_then(|graph| graph.on_domain(start, end))
                 .map_err(ConstructError::of("scale"))?;
             let both = compatible(&[path.clone(), graph], &|_| "path".to_owned())?;
-            let factors = (0..both[1].control().len()).map(|i| both[1].point(i).x);
+            let factors = both[1].points().map(|point| point.x);
             (both[0].clone(), factors.collect())
         }
     };
     let mut net = Vec::with_capacity(net_size(profile.control().len(), factors.len())?);
     for i in 0..profile.control().len() {
-        let p = profile.point(i);
+        let p = profile.vertex(i);
         let offset = p.x * frame.normal + p.y * frame.side() + p.z * frame.tangent;
         for (j, factor) in factors.iter().enumerate() {
-            let weight = profile.weight(i) * path.weight(j);
-            net.push((weight * (path.point(j) + *factor * offset)).extend(weight));
+            let weight = profile.control()[i].w * path.control()[j].w;
+            net.push((weight * (path.vertex(j) + *factor * offset)).extend(weight));
         }
     }
     let knots = path.knots().clone();
@@ -203,10 +203,10 @@ fn along_a_circle(
     let axis = circle.across.cross(circle.ahead);
     let points: Vec<Turned> = (0..profile.control().len())
         .map(|i| {
-            let from = place(profile.point(i));
+            let from = place(profile.vertex(i));
             let along = from.dot(axis) * axis;
             let across = from - along;
-            let (center, weight) = (circle.center + along, profile.weight(i));
+            let (center, weight) = (circle.center + along, profile.control()[i].w);
             Turned { center, across, ahead: axis.cross(across), weight }
         })
         .collect();

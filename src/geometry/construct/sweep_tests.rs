@@ -117,7 +117,7 @@ fn sizes_and_places_do_not_matter() {
         let made = sweep(&circle(0.1 * size), &path, &SweepOptions::default()).unwrap();
         // The default tolerance is a millionth of the documented size.
         let whole = sweep_size(&circle(0.1 * size), &path, &SweepOptions::default());
-        let points = (0..path.control().len()).map(|k| path.point(k));
+        let points = path.points();
         let (low, high) = points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
             (low.min(p), high.max(p))
         });
@@ -204,7 +204,7 @@ fn reported_deviations_hold_everywhere() {
                     let s = at.first.normalize().cross(r);
                     let (x, y) = (cos * r + sin * s, cos * s - sin * r);
                     for corner in 0..4 {
-                        let p = square.point(corner);
+                        let p = square.vertex(corner);
                         let expected = at.point + p.x * x + p.y * y;
                         let [u, _] = square.domain();
                         let ours = made
@@ -235,7 +235,7 @@ fn reported_deviations_hold_everywhere() {
 
 /// The length of a square's side, which is also the length of its parameter interval in a polyline.
 fn square_side(square: &NurbsCurve) -> f64 {
-    square.point(0).distance(square.point(1))
+    square.vertex(0).distance(square.vertex(1))
 }
 
 #[test]
@@ -254,7 +254,7 @@ fn a_closed_path_closes_the_sweep() {
     let made = sweep(&profile, &path, &SweepOptions::default()).unwrap();
     let [nu, nv] = made.surface.size();
     for i in 0..nu {
-        assert_eq!(made.surface.point(i, 0), made.surface.point(i, nv - 1));
+        assert_eq!(made.surface.vertex(i, 0), made.surface.vertex(i, nv - 1));
     }
     assert!(made.deviation < 1e-5, "{}", made.deviation);
 }

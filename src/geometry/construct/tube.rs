@@ -25,7 +25,7 @@ use crate::geometry::NurbsCurve;
 /// When the radius is not a positive length, or the curve has a gap, is only a point, runs back
 /// over itself, or bends with a radius smaller than the tube's, as it does on both sides of a cusp.
 pub fn tube(curve: &NurbsCurve, style: &TubeStyle) -> Result<Vec<Component>, ConstructError> {
-    let points = (0..curve.control().len()).map(|index| curve.point(index));
+    let points = curve.points();
     let mut drawing = Drawing::among(points, *style);
     drawing.tube(curve)?;
     drawing.pieces()

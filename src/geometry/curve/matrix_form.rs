@@ -93,7 +93,7 @@ impl MatrixForm {
                 rational: segment.is_rational(),
             });
         }
-        Ok(self.given_by_bezier([0, 1, 2, 3].map(|k| clamped.point(k))))
+        Ok(self.given_by_bezier([0, 1, 2, 3].map(|k| clamped.vertex(k))))
     }
 
     /// The four vectors that define in the form `to` the segment that `geometry` defines in this

@@ -99,24 +99,20 @@ impl NurbsCurve {
         &self.control
     }
 
-    /// Control point `index` in space.
-    ///
-    /// # Panics
-    /// When there is no such point: `index` is not less than the length of
-    /// [`NurbsCurve::control`].
-    #[track_caller]
-    pub fn point(&self, index: usize) -> DVec3 {
-        let point = self.homogeneous(index);
-        point.xyz() / point.w
+    /// Control point `index` in space; `None` if there is none.
+    pub fn point(&self, index: usize) -> Option<DVec3> {
+        self.control.get(index).map(|point| point.xyz() / point.w)
     }
 
-    /// The weight of control point `index`.
-    ///
-    /// # Panics
-    /// When there is no such point, as [`NurbsCurve::point`].
-    #[track_caller]
-    pub fn weight(&self, index: usize) -> f64 {
-        self.homogeneous(index).w
+    /// The weight of control point `index`; `None` if there is none.
+    pub fn weight(&self, index: usize) -> Option<f64> {
+        self.control.get(index).map(|point| point.w)
+    }
+
+    /// Control point `index` in space, where it is known to exist.
+    pub(crate) fn vertex(&self, index: usize) -> DVec3 {
+        let point = self.control[index];
+        point.xyz() / point.w
     }
 
     /// The control points in space.
@@ -127,13 +123,6 @@ impl NurbsCurve {
     /// The weights of the control points.
     pub fn weights(&self) -> impl ExactSizeIterator<Item = f64> {
         self.control.iter().map(|point| point.w)
-    }
-
-    #[track_caller]
-    fn homogeneous(&self, index: usize) -> DVec4 {
-        let count = self.control.len();
-        assert!(index < count, "there is no control point {index}: the curve has {count}");
-        self.control[index]
     }
 
     /// Whether the weights differ; with equal weights the curve is polynomial.

@@ -287,9 +287,9 @@ mod tests {
         }
         let second = quarter_circle_quartic(QuarticArc::Second);
         let printed = [0.41421356237309503, 0.7750050220812175, 1.0167508438980557];
-        assert!((second.point(1).y - printed[0]).abs() < 1e-15);
-        assert!((second.point(2).x - printed[1]).abs() < 1e-15);
-        assert!((second.weight(2) - printed[2]).abs() < 1e-15);
+        assert!((second.vertex(1).y - printed[0]).abs() < 1e-15);
+        assert!((second.vertex(2).x - printed[1]).abs() < 1e-15);
+        assert!((second.control()[2].w - printed[2]).abs() < 1e-15);
     }
 
     #[test]

@@ -30,14 +30,15 @@ impl NurbsSurface {
             along.clone().map(|k| [0, last].map(|end| direction.pair(end, k).into())).collect();
         let [p, q] = [clamped.knots_u().degree(), clamped.knots_v().degree()];
         let rounded = ROUNDED * crate::math::rounding::residual_factor(p, q);
-        let point = |(i, j)| clamped.point(i, j);
+        let point = |(i, j)| clamped.vertex(i, j);
         let magnitude =
             pairs.iter().flatten().map(|&at| point(at).abs().max_element()).fold(0.0, f64::max);
         let [nu, nv] = clamped.size();
         let places = (0..nu).flat_map(|i| (0..nv).map(move |j| (i, j)));
         let size = Aabb::around(places.map(point)).size();
-        let ratio =
-            |[a, b]: [(usize, usize); 2]| clamped.weight(b.0, b.1) / clamped.weight(a.0, a.1);
+        let ratio = |[a, b]: [(usize, usize); 2]| {
+            clamped.homogeneous(b.0, b.1).w / clamped.homogeneous(a.0, a.1).w
+        };
         let first = point(pairs[0][0]);
         let closes_within = |tolerance: f64, of_weights: f64| {
             let same = |pair: &[(usize, usize); 2]| {

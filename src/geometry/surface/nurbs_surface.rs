@@ -126,25 +126,14 @@ impl NurbsSurface {
         &self.control
     }
 
-    /// Control point `(i, j)` in space.
-    ///
-    /// # Panics
-    /// When there is no such point: `i` or `j` is not less than [`NurbsSurface::size`] says.
-    #[track_caller]
-    pub fn point(&self, i: usize, j: usize) -> DVec3 {
-        self.assert_has(i, j);
-        let point = self.homogeneous(i, j);
-        point.xyz() / point.w
+    /// Control point `(i, j)` in space; `None` if there is none.
+    pub fn point(&self, i: usize, j: usize) -> Option<DVec3> {
+        self.has(i, j).then(|| self.vertex(i, j))
     }
 
-    /// The weight of control point `(i, j)`.
-    ///
-    /// # Panics
-    /// When there is no such point, as [`NurbsSurface::point`].
-    #[track_caller]
-    pub fn weight(&self, i: usize, j: usize) -> f64 {
-        self.assert_has(i, j);
-        self.homogeneous(i, j).w
+    /// The weight of control point `(i, j)`; `None` if there is none.
+    pub fn weight(&self, i: usize, j: usize) -> Option<f64> {
+        self.has(i, j).then(|| self.homogeneous(i, j).w)
     }
 
     /// The control points in space, v fastest.
@@ -157,13 +146,19 @@ impl NurbsSurface {
         self.control.iter().map(|point| point.w)
     }
 
-    /// Panics unless control point `(i, j)` exists: a `j` too large would index a later row.
-    #[track_caller]
-    fn assert_has(&self, i: usize, j: usize) {
+    /// Whether control point `(i, j)` exists: a `j` too large would index a later row.
+    fn has(&self, i: usize, j: usize) -> bool {
         let [nu, nv] = self.size();
-        assert!(i < nu && j < nv, "there is no control point ({i}, {j}): the net is {nu} × {nv}");
+        i < nu && j < nv
     }
 
+    /// Control point `(i, j)` in space, where it is known to exist.
+    pub(crate) fn vertex(&self, i: usize, j: usize) -> DVec3 {
+        let point = self.homogeneous(i, j);
+        point.xyz() / point.w
+    }
+
+    /// The homogeneous control point `(i, j)`, where it is known to exist.
     pub(crate) fn homogeneous(&self, i: usize, j: usize) -> DVec4 {
         self.control[i * self.knots[1].point_count() + j]
     }

@@ -11,7 +11,7 @@ const STAYS: f64 = 1e-14;
 
 fn magnitude(surface: &NurbsSurface) -> f64 {
     let [nu, nv] = surface.size();
-    let points = (0..nu).flat_map(|i| (0..nv).map(move |j| surface.point(i, j).abs()));
+    let points = (0..nu).flat_map(|i| (0..nv).map(move |j| surface.vertex(i, j).abs()));
     points.fold(0.0, |largest: f64, point| largest.max(point.max_element()))
 }
 

@@ -94,7 +94,7 @@ impl TrimCurve {
     /// or a weight is too small relative to the largest of its piece.
     pub fn nurbs(curve: &NurbsCurve) -> Result<Self, TrimCurveError> {
         if let Some(index) = curve.control().iter().position(|point| point.z != 0.0) {
-            return Err(TrimCurveError::NotFlat { index, z: curve.point(index).z });
+            return Err(TrimCurveError::NotFlat { index, z: curve.vertex(index).z });
         }
         let degree = curve.knots().degree();
         let pieces = curve.knots().spans().count();

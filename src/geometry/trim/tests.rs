@@ -310,8 +310,8 @@ fn points_of_the_curve_are_edges_and_their_surroundings_are_not() {
             let unit = smooth(&mut random, degree, 8 + degree);
             let place = |c: DVec3| scale * c + DVec3::new(shift, -0.5 * shift, 0.0);
             let count = unit.knots().point_count();
-            let moved = (0..count).map(|k| place(unit.point(k))).collect();
-            let weights = (0..count).map(|k| unit.weight(k)).collect();
+            let moved = (0..count).map(|k| place(unit.vertex(k))).collect();
+            let weights = (0..count).map(|k| unit.control()[k].w).collect();
             let curve = NurbsCurve::new(unit.knots().clone(), moved, Some(weights)).unwrap();
             let cut = trims(&[TrimLoop::new(&[TrimCurve::nurbs(&curve).unwrap()]).unwrap()]);
             let magnitude = 2.0 * scale + shift;

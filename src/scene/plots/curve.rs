@@ -56,9 +56,7 @@ impl PlottedCurve {
     /// The control points in space.
     pub fn points(&self) -> Vec<DVec3> {
         match self {
-            Self::Nurbs(curve) | Self::Spline { curve, .. } => {
-                (0..curve.control().len()).map(|index| curve.point(index)).collect()
-            }
+            Self::Nurbs(curve) | Self::Spline { curve, .. } => curve.points().collect(),
             Self::Weighted { points, .. } => points.clone(),
         }
     }
