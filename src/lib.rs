@@ -110,9 +110,9 @@
 //!   [kernel](intersect::Kernel) and the [way of asking](intersect::Coherence) may change. Pictures
 //!   depend only on the scene and its settings: not on threads, tiles or crops.
 //! - The library never prints or exits, and does not panic on bad input: that is an error which
-//!   says what was found, what is needed and where. (The exception, like indexing of slices: a
-//!   function panics if given a number of coefficients that does not fit the degrees; its
-//!   documentation says so.)
+//!   says what was found, what is needed and where. (The exceptions, like indexing of slices:
+//!   functions panic if given a number of coefficients that does not fit the degrees, or asked for
+//!   a triangle or grid that a mesh does not have; their documentation says so.)
 //! - The message of an error is complete: it contains those of its causes. So it is enough to show
 //!   the message, and [`source`](std::error::Error::source) adds nothing to it (for most errors it
 //!   is `None`). Causes to act on are fields of the error's variants.

@@ -16,6 +16,9 @@ use super::console;
 const PARTS: u64 = 10;
 const PLAIN_INTERVAL: Duration = Duration::from_secs(2);
 
+/// Who has waited longer than this for what tells nothing of its progress is told what it is.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(5);
+
 /// The progress of the work; any thread may report it.
 #[derive(Debug)]
 pub(crate) struct Progress {
@@ -107,15 +110,18 @@ impl Progress {
     }
 }
 
-/// Does work of which nobody knows how far it is; if it takes long, a line says what is being done.
+/// Does work of which nobody knows how far it is; if it takes longer than [`PATIENCE`], a line says
+/// what is being done.
 pub(crate) fn patiently<T>(what: &str, work: impl FnOnce() -> T) -> T {
     let (working, end) = channel::<()>();
     thread::scope(|scope| {
-        scope.spawn(move || {
-            if end.recv_timeout(PLAIN_INTERVAL) == Err(RecvTimeoutError::Timeout) {
+        let wait = move || {
+            if end.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
                 console::say(what);
             }
-        });
+        };
+        // Without another thread, nothing is said.
+        let _ = thread::Builder::new().spawn_scoped(scope, wait);
         let result = work();
         drop(working);
         result

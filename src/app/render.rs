@@ -15,7 +15,7 @@ use nurbray::scene::{CameraSpec, IntegratorKind, Lens, RenderDefaults, World};
 
 use super::args::RenderArguments;
 use super::failure::{Failure, OrFail};
-use super::progress::{Progress, duration};
+use super::progress::{PATIENCE, Progress, duration};
 use super::table::count;
 use super::{console, input, output, threads};
 use picture::{Format, Picture};
@@ -117,6 +117,8 @@ fn settings(
 fn override_camera(arguments: &RenderArguments, camera: &mut CameraSpec) -> Result<(), Failure> {
     if let Some(look_from) = arguments.look_from {
         camera.look_from = Some(look_from.into());
+        // Errors about both are errors of the command line.
+        camera.look_at = camera.look_at.take().map(|at| at.value.into());
     }
     if let Some(look_at) = arguments.look_at {
         camera.look_at = Some(look_at.into());
@@ -233,14 +235,13 @@ fn command_line(arguments: impl Iterator<Item = OsString>) -> String {
     quoted.collect::<Vec<_>>().join(" ")
 }
 
-/// Size, samples, time, speed, doubt.
-/// What was drawn, in a line. `took` is the time of preparing and of tracing; the former is told if
+/// What was drawn, in a line: size, samples, time, speed, doubt. `took` is the time of preparing and of tracing; the former is told if
 /// somebody may have wondered about it.
 fn summary(film: &Film, took: [Duration; 2]) -> String {
     let (settings, counters) = (film.settings(), film.counters());
     let [width, height] = settings.size;
     let [prepared, seconds] = took.map(|took| took.as_secs_f64());
-    let after = if prepared < 1.0 {
+    let after = if prepared < PATIENCE.as_secs_f64() {
         String::new()
     } else {
         format!(" after {} of preparing", duration(prepared))

@@ -8,9 +8,9 @@
 //!
 //! - (2): the half-open spans of the basis functions of degree 0 let all functions vanish at the
 //!   end of the domain. The last span is closed: [`KnotVector::span_index`].
-//! - 2.1.2, "2 possibilities" for `w₁ = 1`: the equations (11) have two more solutions,
-//!   `(y₁, x₂, w₂) = (−√2/4, 1 + √2/8, −2√2/3)` and `(−1 − √2, −(44√2 + 1)/79, (16 + 7√2)/6)`,
-//!   which leave the quadrant. The equations and the two printed solutions are right:
+//! - 2.1.2, "2 possibilities" for `w₁ = 1`: the equations (11) have two more solutions, `(y₁, x₂,
+//!   w₂) = (−√2/4, 1 + √2/8, −2√2/3)` and `(−1 − √2, −(44√2 + 1)/79, (16 + 7√2)/6)`, which leave
+//!   the quadrant. The equations and the two printed solutions are right:
 //!   [`QuarticArc`](shapes::QuarticArc).
 //! - 2.2, the first control point of the half circle is `(1, 0)`: a circle needs `(0, 1)`.
 //!   [`shapes::half_circle_cubic`].
@@ -25,11 +25,11 @@
 //! - 3.1.2, the constants of the quartic octant, after Farin 1990, are right as printed:
 //!   [`shapes::octant_quartic`].
 //! - 3.2, the list of control points lacks `(−2, 0, ±1)` and `(−2, 4, ±1)`; table 2 is right.
-//!   [`shapes::hemisphere`].
-//! - 3.3, "wrap around the u-axis": the z axis is meant. For the knots `u_i = 1` the indices are
-//!   `4 ≤ i ≤ 7`; "4 <= 7" is printed. Tables 3 and 4 have u at the rows and v at the columns,
-//!   table 2 has them the other way round, so that the normals of the hemisphere point inward and
-//!   those of the sphere outward. [`shapes::sphere`].
+//!   [`shapes::hemisphere_inward`], and [`shapes::hemisphere`] with u and v exchanged.
+//! - 3.3, "wrap the surface around the u-axis": the z axis is meant. For the knots `u_i = 1` the
+//!   indices are `4 ≤ i ≤ 7`; "4 <= 7" is printed. Tables 3 and 4 have u at the rows and v at the
+//!   columns, table 2 has them the other way round, so that the normals of the hemisphere point
+//!   inward and those of the sphere outward. [`shapes::sphere`].
 //!
 //! # Zhang
 //! Hongxin Zhang, *Computer Graphics 2016, 10. Spline and Surfaces*, State Key Lab of CAD&CG,
@@ -40,8 +40,8 @@
 //! - De Casteljau's algorithm: `P_i^0(u)` occurs once where all else depends on t; in the pyramid
 //!   of a cubic, `3t(1 − t)² P_0^1` means the control point `P_1`. [`de_casteljau`].
 //! - Knots: the last one for control points 0 to n is printed as `u_{n+k+1}`. With the degree p it
-//!   is `u_{n+p+1}`; elsewhere k is the order `p + 1`. The domain is not all of
-//!   `[u_0, u_{n+p+1}]` but `[u_p, u_{n+1}]`. [`KnotVector`], where there are n points, not n + 1.
+//!   is `u_{n+p+1}`; elsewhere k is the order `p + 1`. The domain is not all of `[u_0, u_{n+p+1}]`
+//!   but `[u_p, u_{n+1}]`. [`KnotVector`], where there are n points, not n + 1.
 //! - Basis functions: the pieces of `N_{i,p}` are said to have degrees `< p`; they have degrees up
 //!   to p. `N_{i,p} > 0` is printed from `u_i` on: at `u_i` itself the function is 0 for `p ≥ 1`,
 //!   unless all knots up to `u_{i+p}` are the same. The functions add up to 1 on the domain only,
@@ -51,9 +51,9 @@
 //! - Normals: `N = S_u × S_v` is printed with the derivatives of a polynomial patch only. Those of
 //!   a rational surface follow the quotient rule: [`NurbsSurface::normal`].
 //! - OpenGL: a scan's letters `glMapI`, `GL_MAPI_VERTEX_3` have an I for a 1 (`glMap1f`), and the
-//!   `4 × 4 × 3` array lacks its inner braces. Called as printed, u runs along the inner index and
-//!   v over the rows: the transpose of `S(u, v) = Σ P_ij B_i(u) B_j(v)`, which is used in
-//!   [`shapes::red_book_patch`].
+//!   `4 × 4 × 3` array lacks opening braces. Called as usual, with strides of 3 and 12, u runs
+//!   along the inner index and v over the rows: the transpose of `S(u, v) = Σ P_ij B_i(u) B_j(v)`,
+//!   which is used in [`shapes::red_book_patch`].
 //! - Subdivision of curves: Chaikin's rule is called Doo–Sabin's and the cubic one Catmull–Clark's,
 //!   after their surfaces. [`CornerCutting`].
 //!
@@ -67,10 +67,10 @@
 //!   [`matrix_patch`].
 //! - The blending functions are B₀ to B₃ on one slide and B₄ to B₁ on the next: [`MatrixForm`] has
 //!   B₀ to B₃.
-//! - "Every control point has a t-value", and the knot vector lists these: there are `p + 1` more
-//!   knots than control points. "Uniform" means that knots are evenly spaced, not control points.
-//!   Knots without space between them make a jump only if `p + 1` of them coincide; p of them make
-//!   a corner. [`KnotVector`].
+//! - "Every control point must have a corresponding t-value", and the knot vector lists these:
+//!   there are `p + 1` more knots than control points. "Uniform" means that knots are evenly
+//!   spaced, not control points. Knots without space between them make a jump only if `p + 1` of
+//!   them coincide; p of them make a corner. [`KnotVector`].
 //! - The standard knot vector of five points is printed as `0, 0, 0, 0, 1, 2, 3, 4, 5, 5, 5, 5`:
 //!   these twelve knots are those of eight points. Five get `0, 0, 0, 0, 1, 2, 2, 2, 2`.
 //!   [`KnotVector::standard`].

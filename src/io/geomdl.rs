@@ -34,14 +34,15 @@
 //! | `reversed` | not applied: (u, v) and `S_u × S_v` stay as written, and a note says so |
 //! | `order`, of the file or of a surface | must begin with `v fastest`, else an error |
 //! | `count`, and `type` of `shape` and of trim curves | not used: what is there is read, and a note says where it is not what these say |
-//! | `type` of a surface, `id`, `delta`, `dimension`, `rational` | not used: what geomdl writes there changes no surface |
+//! | `rational` | not used: a note says where it is false though weights differ |
+//! | `type` of a surface, `id`, `delta`, `dimension` | not used: what geomdl writes there changes no surface |
 //! | any other | not used, and a note a key says so |
 //!
 //! Each entry of `trims` (`{"count": …, "data": […]}`) is a closed loop in the surface's (u, v): a
 //! `spline`, a `freeform` polygon, or a `container` of such curves one after another. As in
-//! geomdl, the region inside a loop is cut off, or kept if the loop is `reversed`; without reversed loops the
-//! border of the domain is the outline. Loops must be nested so that holes lie in kept regions, and
-//! islands in holes.
+//! geomdl, the region inside a loop is cut off, or kept if the loop is `reversed`; without reversed
+//! loops the border of the domain is the outline. Loops must be nested so that holes lie in kept
+//! regions, and islands in holes.
 //!
 //! In code, [`Net::surface`](crate::scene::Net::surface) makes a surface of the numbers that were
 //! read. [`load_input`](super::load_input) reads a file, and

@@ -308,15 +308,16 @@ mod tests {
         );
         assert_eq!(
             message(b"PK\x03\x04 something else"),
-            "rays.npy: not a NumPy .npy file: it does not begin with \\x93NUMPY (of an .npz archive, \
-             numpy.load and numpy.save make one)"
+            "rays.npy: not a NumPy .npy file: it does not begin with \\x93NUMPY (if it is an .npz \
+             archive: numpy.load it, then numpy.save an array of it)"
         );
         assert!(message(b"\x00 something else").ends_with("it does not begin with \\x93NUMPY"));
         // However short it is.
         for text in ["h", "hello", "hello, world"] {
             assert!(
-                message(text.as_bytes())
-                    .ends_with("\\x93NUMPY (of a text, numpy.loadtxt and numpy.save make one)"),
+                message(text.as_bytes()).ends_with(
+                    "\\x93NUMPY (if it is text: numpy.loadtxt it, then numpy.save the array)"
+                ),
                 "{text}"
             );
         }

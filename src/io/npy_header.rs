@@ -24,9 +24,9 @@ const MAX_COUNT: u64 = 1 << 40;
 fn instead_of(start: &[u8]) -> &'static str {
     let is_text = |byte: &u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();
     if start.starts_with(b"PK") {
-        " (of an .npz archive, numpy.load and numpy.save make one)"
+        " (if it is an .npz archive: numpy.load it, then numpy.save an array of it)"
     } else if start.iter().all(is_text) {
-        " (of a text, numpy.loadtxt and numpy.save make one)"
+        " (if it is text: numpy.loadtxt it, then numpy.save the array)"
     } else {
         ""
     }

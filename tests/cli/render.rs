@@ -250,6 +250,8 @@ fn a_camera_that_is_moved_still_looks_where_the_scene_says() {
     sandbox.run(line).succeeded();
     sandbox.run(&format!("{line} --look-at 1,0,0 -o same.png")).succeeded();
     sandbox.run(&format!("{line} --look-at 0,0,0 -o other.png")).succeeded();
+    let same_point = "camera: look_from and look_at are the same point (1, 0, 0)";
+    sandbox.run("render aside.toml -o a.png --look-from 1,0,0").failed(2, same_point);
     let picture = |name: &str| sandbox.bytes(name);
     assert_eq!(picture("moved.png"), picture("same.png"));
     assert_ne!(picture("moved.png"), picture("other.png"));

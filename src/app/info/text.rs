@@ -15,7 +15,7 @@ use super::gaps::{Fit, Gap};
 use super::nearness::{NEAR, NEAR_SMALLER};
 use super::turns::{Turned, Turns};
 
-/// More gaps or pairs than this are counted, not listed: `--json` has them all.
+/// More gaps, pairs or collapsed edges than this are counted, not listed: `--json` has them all.
 const LISTED: usize = 20;
 
 /// Gaps in trim loops that are no wider come from numbers written with seven digits.

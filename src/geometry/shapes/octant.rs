@@ -169,10 +169,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_note_s_constants_satisfy_the_constraint_at_any_scale_of_the_weights() {
-        let note = OctantConstants::farin();
+    fn farin_s_constants_satisfy_the_constraint_at_any_scale_of_the_weights() {
+        let farin = OctantConstants::farin();
         for factor in [1e-8, 0.3, 1.0, 7.0, 1e8] {
-            let scaled = OctantConstants::new(note.a, note.b.map(|b| factor * b)).unwrap();
+            let scaled = OctantConstants::new(farin.a, farin.b.map(|b| factor * b)).unwrap();
             let (a, b) = (scaled.octant(2.0).unwrap(), octant_quartic(2.0).unwrap());
             for (u, v) in [(0.0, 0.0), (0.2, 0.3), (0.5, 0.5), (0.1, 0.9)] {
                 assert!(
@@ -186,9 +186,9 @@ mod tests {
     /// change.
     #[test]
     fn constants_that_make_no_sphere_are_refused() {
-        let note = OctantConstants::farin();
+        let farin = OctantConstants::farin();
         for index in 0..7 {
-            let (mut a, mut b) = (note.a, note.b);
+            let (mut a, mut b) = (farin.a, farin.b);
             for step in [1e-11, 1e-3] {
                 let value = if index < 3 { &mut a[index] } else { &mut b[index - 3] };
                 *value *= 1.0 + step;
@@ -201,7 +201,7 @@ mod tests {
         }
         let message = |a, b| OctantConstants::new(a, b).unwrap_err().to_string();
         assert_eq!(
-            message([0.4, note.a[1], note.a[2]], note.b),
+            message([0.4, farin.a[1], farin.a[2]], farin.b),
             "the constants a = [0.4, 0.788675, 0.589353], b = [5.0718, 4.24264, 4, 3.34468] make no \
              sphere: of x² + y² + z² - w², a polynomial of degree 8 that must be 0, the coefficient \
              at (0, 4, 4) is -0.0109595 of its terms, more than 1.4e-14; Farin's (1990) are \
@@ -209,9 +209,9 @@ mod tests {
              b = [5.0717967697244895, 4.242640687119286, 4, 3.3446772571685868]"
         );
         assert_eq!(
-            message(note.a, [note.b[0], 0.0, note.b[2], note.b[3]]),
+            message(farin.a, [farin.b[0], 0.0, farin.b[2], farin.b[3]]),
             "b1 0: it must be positive and finite (from 1e-70 to 1e70)"
         );
-        assert!(OctantConstants::new([f64::NAN; 3], note.b).is_err());
+        assert!(OctantConstants::new([f64::NAN; 3], farin.b).is_err());
     }
 }

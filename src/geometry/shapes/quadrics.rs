@@ -173,10 +173,10 @@ mod tests {
 
     #[test]
     fn hemisphere_has_the_closed_form() {
-        let note = hemisphere_inward(1.0).unwrap();
+        let inward = hemisphere_inward(1.0).unwrap();
         let outward = hemisphere(1.0).unwrap();
-        close(note.point_at(DVec2::new(0.25, 1.0 / 3.0)), [16. / 25., 12. / 25., 3. / 5.]);
-        close(note.point_at(DVec2::new(0.5, 0.5)), [0., 1., 0.]);
+        close(inward.point_at(DVec2::new(0.25, 1.0 / 3.0)), [16. / 25., 12. / 25., 3. / 5.]);
+        close(inward.point_at(DVec2::new(0.5, 0.5)), [0., 1., 0.]);
         for i in 0..=10 {
             for j in 0..=10 {
                 let (u, v) = (f64::from(i) / 10.0, f64::from(j) / 10.0);
@@ -184,8 +184,8 @@ mod tests {
                 let x = 2. * v * (2. * u - 1.) * (v - 1.) / (wu * wv);
                 let y = 4. * u * v * (u - 1.) * (v - 1.) / (wu * wv);
                 let z = (1. - 2. * v) / wv;
-                close(note.point_at(DVec2::new(u, v)), [x, y, z]);
-                close(note.normal(DVec2::new(u, v)).unwrap(), [-x, -y, -z]);
+                close(inward.point_at(DVec2::new(u, v)), [x, y, z]);
+                close(inward.normal(DVec2::new(u, v)).unwrap(), [-x, -y, -z]);
                 close(outward.normal(DVec2::new(v, u)).unwrap(), [x, y, z]);
             }
         }
@@ -193,17 +193,17 @@ mod tests {
 
     #[test]
     fn octants_differ_by_their_parameters_only() {
-        let note = octant_biquadratic_inward(1.0).unwrap();
-        close(note.point_at(DVec2::new(0.5, 0.5)), [9. / 25., 12. / 25., 4. / 5.]);
-        close(note.point_at(DVec2::new(1.0 / 3.0, 0.5)), [12. / 25., 16. / 25., 3. / 5.]);
+        let inward = octant_biquadratic_inward(1.0).unwrap();
+        close(inward.point_at(DVec2::new(0.5, 0.5)), [9. / 25., 12. / 25., 4. / 5.]);
+        close(inward.point_at(DVec2::new(1.0 / 3.0, 0.5)), [12. / 25., 16. / 25., 3. / 5.]);
         let octant = octant_biquadratic(1.0).unwrap();
         for i in 0..=10 {
             for j in 0..=10 {
                 let (u, v) = (f64::from(i) / 10.0, f64::from(j) / 10.0);
-                let point = note.point_at(DVec2::new(u, v));
+                let point = inward.point_at(DVec2::new(u, v));
                 assert!((point.length() - 1.0).abs() < 1e-15);
                 assert!((octant.point_at(DVec2::new(v, u)) - point).length() < 1e-15);
-                close(note.normal(DVec2::new(u, v)).unwrap(), (-point).into());
+                close(inward.normal(DVec2::new(u, v)).unwrap(), (-point).into());
                 close(octant.normal(DVec2::new(v, u)).unwrap(), point.into());
             }
         }

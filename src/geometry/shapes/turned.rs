@@ -2,7 +2,7 @@
 
 use glam::{DVec3, DVec4};
 
-/// A point that is turned: `centre + x across + y ahead` for `(x, y)` on the unit circle.
+/// A point that is turned: `center + x across + y ahead` for `(x, y)` on the unit circle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Turned {
     pub(crate) center: DVec3,

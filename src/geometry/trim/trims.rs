@@ -39,11 +39,13 @@ const OUTSIDE: f64 = 1e-3;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Kept {
     /// What lies inside an odd number of loops: the outermost loops are outlines, those
-    /// directly inside them holes, those inside holes islands, and so on.
+    /// directly inside them holes, those inside holes islands, and so on. Scenes write `"inside"`.
+    #[doc(alias = "inside")]
     #[default]
     Odd,
     /// What lies inside an even number of loops, none included: the outermost loops are
-    /// holes in the whole domain.
+    /// holes in the whole domain. Scenes write `"outside"`.
+    #[doc(alias = "outside")]
     Even,
 }
 
