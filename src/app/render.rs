@@ -11,7 +11,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use nurbray::io::{ExrNotes, ExrPrecision, Quoted, WriteError, stage_png, write_exr};
 use nurbray::render::{AovSet, Film, RenderSettings, render};
-use nurbray::scene::{CameraSpec, IntegratorKind, Lens, RenderDefaults, World};
+use nurbray::scene::{CameraSpec, IntegratorKind, Lens, Place, RenderDefaults, World};
 
 use super::args::RenderArguments;
 use super::failure::{Failure, OrFail};
@@ -117,7 +117,8 @@ fn settings(
 fn override_camera(arguments: &RenderArguments, camera: &mut CameraSpec) -> Result<(), Failure> {
     if let Some(look_from) = arguments.look_from {
         camera.look_from = Some(look_from.into());
-        // Errors about both are errors of the command line.
+        // An error about both is one of the command line.
+        camera.place = Place::default();
         camera.look_at = camera.look_at.take().map(|at| at.value.into());
     }
     if let Some(look_at) = arguments.look_at {
