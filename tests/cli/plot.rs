@@ -231,7 +231,7 @@ fn what_cannot_be_plotted_is_told_with_its_place() {
         ),
         (
             "{ basis = { degree = 2, count = 0, knots = \"uniform\", support = true } }",
-            "3:44",
+            "3:51",
             "plot \"A\": basis: no control points: at least 1 is needed",
         ),
         (

@@ -246,10 +246,10 @@ fn a_camera_that_is_moved_still_looks_where_the_scene_says() {
     let camera = "[camera]\nlook_from = [1, -9, 0]\nlook_at = [1, 0, 0]\n";
     let scene = format!("{camera}{SPHERE}");
     let sandbox = Sandbox::with(&[("aside.toml", &scene)]);
-    let line = "render aside.toml -o moved.png --look-from 1,-3,0";
-    sandbox.run(line).succeeded();
-    sandbox.run(&format!("{line} --look-at 1,0,0 -o same.png")).succeeded();
-    sandbox.run(&format!("{line} --look-at 0,0,0 -o other.png")).succeeded();
+    let line = "render aside.toml --look-from 1,-3,0";
+    sandbox.run(&format!("{line} -o moved.png")).succeeded();
+    sandbox.run(&format!("{line} -o same.png --look-at 1,0,0")).succeeded();
+    sandbox.run(&format!("{line} -o other.png --look-at 0,0,0")).succeeded();
     let same_point = "camera: look_from and look_at are the same point (1, 0, 0)";
     sandbox.run("render aside.toml -o a.png --look-from 1,0,0").failed(2, same_point);
     let picture = |name: &str| sandbox.bytes(name);

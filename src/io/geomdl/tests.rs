@@ -498,7 +498,7 @@ fn trims_that_cannot_be_are_named() {
         ),
         (
             "[{\"data\": [{\"points\": [[0, 0], [1, 0]]}, {\"data\": []}]}]".to_owned(),
-            "m.json:3:69: surface \"m/lid\": trims: loop 0, curve 1, is a container within a \
+            "m.json:3:68: surface \"m/lid\": trims: loop 0, curve 1, is a container within a \
              container, of which only splines and points are read",
         ),
         (
