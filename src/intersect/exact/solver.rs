@@ -1,11 +1,9 @@
 //! The list of boxes, and what becomes of each.
 
-mod end_queue;
 mod ends;
 
 use glam::{DMat2, DVec2};
 
-use self::end_queue::EndQueue;
 use super::contact::{self, Contact};
 use super::parameter_box::{Bounds, Preconditioned, RayNet};
 use crate::geometry::RectSide;
@@ -130,7 +128,7 @@ pub(crate) struct ExactSolver {
     isolated: Vec<Solution>,
     /// Boxes that are only searched for the two ends of a stretch.
     spare: Vec<StRect>,
-    queue: EndQueue,
+    queue: Vec<EndBox>,
     /// The largest extent of the leaf.
     size: f64,
     /// Error bound of `w x` and `w y`: half of the promise for a point, times the largest weight.
@@ -143,6 +141,18 @@ pub(crate) struct ExactSolver {
     error: f64,
     /// Boxes looked at since the solver was made.
     pub boxes: u64,
+}
+
+/// A box that may hold the end of a stretch.
+#[derive(Clone, Copy, Debug)]
+struct EndBox {
+    rect: StRect,
+    /// Where the box begins along the ray; if the last place is searched for, minus where it ends.
+    z: f64,
+    /// Whether the box is too short for a division to tell more.
+    short: bool,
+    /// Across which direction to halve it.
+    axis: usize,
 }
 
 /// What becomes of a box.

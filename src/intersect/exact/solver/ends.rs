@@ -2,9 +2,8 @@
 
 use glam::{DMat2, DVec2};
 
-use super::end_queue::{EndBox, EndQueue};
 use super::{
-    AT_POLE, END, END_BUDGET, ExactSolver, FINEST_SIDE, Problem, Proof, STRETCH, Solution,
+    AT_POLE, END, END_BUDGET, EndBox, ExactSolver, FINEST_SIDE, Problem, Proof, STRETCH, Solution,
 };
 use super::{halves, inner, linearised};
 use crate::intersect::exact::contact::{self, Contact};
@@ -43,7 +42,9 @@ impl ExactSolver {
         }
         let mut end = None;
         for _ in 0..END_BUDGET {
-            let Some(EndBox { rect, z, short, axis }) = queue.pop() else { break };
+            let nearest = (0..queue.len()).min_by(|&a, &b| queue[a].z.total_cmp(&queue[b].z));
+            let Some(nearest) = nearest else { break };
+            let EndBox { rect, z, short, axis } = queue.swap_remove(nearest);
             end = Some((DVec2::from_array(rect.map(|[from, to]| 0.5 * (from + to))), sign * z));
             if short {
                 break;
@@ -72,7 +73,13 @@ impl ExactSolver {
         if exhausted[wanted] { 1 - wanted } else { wanted }
     }
 
-    fn consider(&mut self, problem: &Problem<'_>, rect: StRect, sign: f64, queue: &mut EndQueue) {
+    fn consider(
+        &mut self,
+        problem: &Problem<'_>,
+        rect: StRect,
+        sign: f64,
+        queue: &mut Vec<EndBox>,
+    ) {
         self.net.restrict_from(&self.whole, rect);
         let bounds = self.net.bounds();
         if self.is_empty(problem, rect, &bounds, self.error) {
