@@ -46,7 +46,7 @@ fn wanted_size(arguments: &CompareArguments) -> Option<[u32; 2]> {
 
 /// Width and height of the pictures.
 fn size(world: &World) -> Result<[u32; 2], Failure> {
-    let size: [u32; 2] = world.settings().size;
+    let size = world.settings().size;
     match size {
         [..=MAX_SIDE, ..=MAX_SIDE] => Ok(size),
         [width, height] => Err(Failure::input(format!(

@@ -56,10 +56,10 @@ pub(super) fn first_hits(
     rays: &[Ray],
     progress: &Progress,
 ) -> Traced<COLUMNS> {
-    let tools = || (tracing.bvh.tracer_with(tracing.kernel), Vec::new());
-    let chunks = rays.par_chunks(CHUNK).with_max_len(1);
-    let parts = chunks.map_init(tools, |(tracer, answers), rays| {
-        tracer.first_hits(rays, tracing.coherence, answers);
+    let parts = rays.par_chunks(CHUNK).with_max_len(1).map(|rays| {
+        let mut tracer = tracing.bvh.tracer_with(tracing.kernel);
+        let mut answers = Vec::new();
+        tracer.first_hits(rays, tracing.coherence, &mut answers);
         progress.add_rays(rays.len() as u64);
 
         Traced {
@@ -77,13 +77,13 @@ pub(super) fn all_hits(
     rays: &[Ray],
     progress: &Progress,
 ) -> Traced<ALL_COLUMNS> {
-    let tools = || (tracing.bvh.tracer_with(tracing.kernel), Vec::new());
-    let chunks = rays.par_chunks(CHUNK).with_max_len(1).enumerate();
-    let parts = chunks.map_init(tools, |(tracer, hits), (chunk, rays)| {
+    let parts = rays.par_chunks(CHUNK).with_max_len(1).enumerate().map(|(chunk, rays)| {
+        let mut tracer = tracing.bvh.tracer_with(tracing.kernel);
+        let mut hits = Vec::new();
         let mut part = Traced::new();
         for (offset, ray) in rays.iter().enumerate() {
-            let doubtful = tracer.all_hits(ray, hits);
-            part.rows.extend(all_rows(chunk * CHUNK + offset, hits, doubtful));
+            let doubtful = tracer.all_hits(ray, &mut hits);
+            part.rows.extend(all_rows(chunk * CHUNK + offset, &hits, doubtful));
             part.hits += hits.len() as u64;
             part.doubtful += u64::from(doubtful);
         }

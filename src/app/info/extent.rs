@@ -4,7 +4,6 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use glam::{DVec2, DVec3, DVec4};
-use nurbray::geometry::split_bezier;
 use nurbray::math::Aabb;
 use nurbray::math::bernstein::restrict_net;
 use nurbray::patch::TensorPatch;
@@ -145,31 +144,15 @@ impl Part {
                 .map(|(i, j)| (self.value(i + down, j + right) - self.value(i, j)).abs())
                 .fold(0.0, f64::max)
         };
-        if pairs(0, 1) >= pairs(1, 0) {
-            let lines = self.net.chunks_exact(columns).map(halved);
-            let (below, above): (Vec<_>, Vec<_>) = lines.unzip();
-            return [below, above].map(|lines| Self::new(lines.concat(), columns));
-        }
-        let lines = (0..columns).map(|j| {
-            let line: Vec<DVec2> = (0..rows).map(|i| self.net[i * columns + j]).collect();
-            halved(&line)
-        });
-        let (below, above): (Vec<_>, Vec<_>) = lines.unzip();
-        [below, above].map(|lines: Vec<Vec<DVec2>>| {
-            let by_rows = (0..rows).flat_map(|i| lines.iter().map(move |line| line[i]));
-            Self::new(by_rows.collect(), columns)
+        let across = usize::from(pairs(0, 1) >= pairs(1, 0));
+        [[0.0, 0.5], [0.5, 1.0]].map(|half| {
+            let mut ranges = [[0.0, 1.0]; 2];
+            ranges[across] = half;
+            let mut net = self.net.clone();
+            restrict_net(&mut net, [rows - 1, columns - 1], ranges[0], ranges[1]);
+            Self::new(net, columns)
         })
     }
-}
-
-/// The control points of the two halves of a line of them.
-fn halved(line: &[DVec2]) -> (Vec<DVec2>, Vec<DVec2>) {
-    let line: Vec<DVec4> = line.iter().map(|c| DVec4::new(c.x, 0.0, 0.0, c.y)).collect();
-    // All pieces can be split. One that cannot would be its own two halves: no limit is wrong.
-    let whole = || (line.clone(), line.clone());
-    let (below, above) = split_bezier(&line, 0.5).unwrap_or_else(whole);
-    let narrow = |line: Vec<DVec4>| line.iter().map(|c| DVec2::new(c.x, c.w)).collect();
-    (narrow(below), narrow(above))
 }
 
 /// Parts are ordered by how far they may reach.

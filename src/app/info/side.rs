@@ -61,7 +61,7 @@ impl<'a> Side<'a> {
             Self::OfChart(chart, border) => border.pole(&chart.surface),
             Self::OfTriangle(patch, side) => {
                 let curve = patch.side(*side);
-                curve.is_point().then(|| curve.point(0)).flatten()
+                curve.point(0).filter(|_| curve.is_point())
             }
         }
     }

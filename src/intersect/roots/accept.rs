@@ -275,7 +275,7 @@ impl<'a> Candidate<'a> {
         let cover = if beyond {
             Cover::Nothing
         } else if outside_pole.is_some() && !at_trims && inside_pole() {
-            Cover::Whole // trims may cut off any part of the sector
+            Cover::Whole // with trims, which may cut off any part of the sector, it is not known
         } else if beside_pole {
             Cover::Unknown
         } else if self.kept_whole && !at_border {
