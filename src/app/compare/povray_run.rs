@@ -133,7 +133,10 @@ fn seconds(words: &str, what: &str) -> Option<f64> {
 /// The last lines with words, for an error.
 fn ending(words: &str) -> String {
     let lines: Vec<_> = words.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
-    lines[lines.len().saturating_sub(4)..].join(" | ")
+    match lines.len() {
+        0 => "it says nothing".to_owned(),
+        count => lines[count.saturating_sub(4)..].join(" | "),
+    }
 }
 
 /// Reads a linear picture of 16 bits: grey is a hit, pure blue is none.
@@ -172,5 +175,6 @@ mod tests {
         assert_eq!(seconds(words, "Trace Time"), Some(61.234));
         assert_eq!(seconds(words, "Parse Time"), None);
         assert_eq!(ending("a\n\n b \nc\nd\ne\n"), "b | c | d | e");
+        assert_eq!(ending("\n \n"), "it says nothing");
     }
 }
