@@ -3,19 +3,20 @@
 pub(super) mod bicubic;
 pub(super) mod fit;
 pub(super) mod fit_error;
+mod stretch;
 pub(super) mod trim_windows;
 
 use glam::{DVec2, DVec3};
 
-use self::bicubic::{Fit, NO_WEIGHT, WeightFit, second_derivatives};
+use self::bicubic::{Fit, WeightFit, second_derivatives};
 use self::fit::Approximation;
-use self::fit_error::REACHES;
+use self::stretch::stretch;
 use super::oriented_box::Axes;
 use super::parts::part::PartNet;
 use super::pieces::field::Net;
 use super::{
-    BORDER_REACH, Certificate, DyadicRect, FIT_DOMAIN, FitError, LEAF_SLACK, OrientedBox, Part,
-    Piece, ScaledFrame, StRect,
+    BORDER_REACH, Certificate, DyadicRect, LEAF_SLACK, OrientedBox, Part, Piece, ScaledFrame,
+    StRect,
 };
 use crate::geometry::RectSide;
 use crate::math::rounded::{Up8, Up16};
@@ -102,7 +103,7 @@ impl Leaf {
         let is_at_border = sides.any(|side| leaf.near_border(piece, side).is_some());
         leaf.marks |= if is_at_border { AT_BORDER } else { 0 };
         leaf.marks |= if bicubic::is_biquadratic(&leaf.fit, &weight) { BIQUADRATIC } else { 0 };
-        leaf.stretch = Up16::above(stretch(&leaf, &weight, &part_net, piece, &error));
+        leaf.stretch = Up16::above(stretch(&leaf.fit, &weight, &error));
         (leaf, weight, oriented)
     }
 
@@ -269,49 +270,6 @@ impl Leaf {
     }
 }
 
-/// See [`Leaf::stretch`].
-///
-/// With the sides made unit vectors, the tangents in the middle map a vector to one that is at
-/// least `√(1 − |cos φ|)` times as long, where `φ` is the angle between them. All other terms of a
-/// polynomial approximation add no more to the tangents than their sizes, and the surface adds the
-/// slopes' error. In a quotient the tangents turn by the second derivatives in the middle, and by
-/// what these leave: see [`FitError`].
-fn stretch(
-    leaf: &Leaf,
-    weight: &WeightFit,
-    part_net: &PartNet,
-    piece: &Piece,
-    error: &FitError,
-) -> f64 {
-    let of_polynomial = |fit: &Fit, error: &FitError| {
-        let mut turning = [error.slope; 2];
-        for i in 0..4 {
-            for j in (0..4).filter(|j| i + j > 1) {
-                let size = term(fit, 4 * i + j).length() * REACHES[i + j - 1];
-                turning[0] += i as f64 * size;
-                turning[1] += j as f64 * size;
-            }
-        }
-        stretched(fit, turning)
-    };
-    if *weight == NO_WEIGHT {
-        return of_polynomial(&leaf.fit, error);
-    }
-    let [xx, xy, yy] = leaf.second_derivatives(Some(weight)).map(DVec3::length);
-    let rest = error.slope + 3.0 * error.third * FIT_DOMAIN * FIT_DOMAIN;
-    let turning = [(xx + xy) * FIT_DOMAIN + rest, (xy + yy) * FIT_DOMAIN + rest];
-    let of_quotient = stretched(&leaf.fit, turning);
-    let [x, y] = leaf.half_side_lengths();
-    if of_quotient < WELL_STRETCHED || x.max(y) < LONG * x.min(y) {
-        return of_quotient;
-    }
-    // The bound of third derivatives grows with a leaf's length, though they need not.
-    let near = Approximation::polynomial(part_net, piece);
-    let of_polynomial = of_polynomial(&near.fit, &near.error(part_net, piece, 0.0));
-    let longer = |k: usize| term(&leaf.fit, k).length() / term(&near.fit, k).length();
-    of_quotient.min(of_polynomial * longer(4).max(longer(1)).max(1.0))
-}
-
 /// Leaves whose [`FitError::bend`] is no larger than this fraction of their half sides count as
 /// flat.
 const MOST_BEND_OF_FLAT: f64 = 1e-6;
@@ -322,22 +280,6 @@ const TRIMMED: u8 = 1;
 const FLAT: u8 = 2;
 const AT_BORDER: u8 = 4;
 const BIQUADRATIC: u8 = 8;
-
-/// Leaves that are stretched less than [`WELL_STRETCHED`] need no second look, nor do those that
-/// are less than [`LONG`] times as long as wide.
-const WELL_STRETCHED: f64 = 2.0;
-const LONG: f32 = 2.0;
-
-/// The stretch of a leaf whose tangents turn by no more than `turning`, by `x` and by `y`.
-fn stretched(fit: &Fit, turning: [f64; 2]) -> f64 {
-    let (a, b) = (term(fit, 4), term(fit, 1));
-    let lengths = [a.length(), b.length()];
-    let least = (1.0 - (a.dot(b) / (lengths[0] * lengths[1])).abs()).sqrt();
-    let most = (turning[0] / lengths[0]).hypot(turning[1] / lengths[1]);
-    // Rounding error is far less than this; false for NaN.
-    let stretches = least - most > 1e-3;
-    if stretches { 1.0 / (least - most) } else { f64::INFINITY }
-}
 
 /// One coefficient of an approximation.
 fn term(fit: &Fit, m: usize) -> DVec3 {
