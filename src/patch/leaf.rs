@@ -252,9 +252,11 @@ impl Leaf {
         f64::from(self.fit_third.value()) * f64::from(self.fit_bend())
     }
 
-    /// The largest ratio of the distance between two places of the leaf, or a little outside, to
-    /// that between their points in space, where box coordinates are multiplied by
-    /// [`Self::half_side_lengths`]; infinite where nothing is known.
+    /// An upper bound of the ratio of the distance between two places, where the approximation's
+    /// bounds hold ([`FIT_DOMAIN`](crate::patch::FIT_DOMAIN)), to that between the surface's points
+    /// there; box coordinates are multiplied by [`Self::half_side_lengths`]. Infinite where nothing
+    /// is known. Of polynomials, it is finite only where the terms of tangents add up to at most
+    /// twice their lengths in the middle.
     #[inline(always)]
     pub(crate) fn stretch(&self) -> f32 {
         self.stretch.value()

@@ -136,21 +136,16 @@ impl Room {
     fn is_for(&self, worth: f64, count: usize) -> bool {
         let most = if worth > self.worth_in_scene {
             self.in_scene
-        } else if self.may_be_for(worth) {
+        } else if worth > 0.5 * self.worth_in_scene {
             self.more
         } else {
             0
         };
         count < most.max(self.worthwhile)
     }
-
-    /// Whether it may be the turn of such a part in a large scene.
-    fn may_be_for(&self, worth: f64) -> bool {
-        worth > 0.5 * self.worth_in_scene
-    }
 }
 
-/// The coarsest parts of a piece, and a box that holds them.
+/// The coarsest parts of a piece, and a box that holds their control points.
 fn flats_of(index: usize, piece: &Piece) -> (Flats, Aabb) {
     let (mut flats, mut bounds) = (Flats::new(), Aabb::EMPTY);
     PartNet::whole(piece).coarse_parts(piece, &mut |part_net| {

@@ -7,18 +7,25 @@ use super::fit_error::{BLOSSOM, REACHES};
 use super::term;
 use crate::patch::FitError;
 
-/// See [`Leaf::stretch`](super::Leaf::stretch).
+/// How much less than in the middle all matrices are taken to stretch, whatever the terms: for
+/// rounding, in f64 and of the weight to f32.
+const ROUNDING: f64 = 1e-4;
+
+/// See [`Leaf::stretch`](super::Leaf::stretch). Infinite, too, where tangents in the middle are
+/// parallel or zero.
 ///
 /// The points of two places differ by the means of both tangents on the way from one place to the
 /// other, times the differences of the places. Only the parts of these in the plane of the tangents
-/// in the middle are looked at: where a leaf bends out of that plane, its points are no closer.
+/// in the middle are looked at: where a leaf bends out of that plane, its points are no closer. (So
+/// a finite stretch says nothing of how far it bends.)
 ///
-/// With the half sides made unit vectors, let `M` be the matrix of a pair of tangents. Those in the
-/// middle are at an angle `φ`; with axes as far from one as from the other, their `M` is symmetric,
-/// and its least eigenvalue is `√(1 − |cos φ|)`. For a unit vector `v`, `|M v|` is at least `v · M v`.
-/// That is less than in the middle by no more than the largest eigenvalue of the symmetric part of
-/// the difference, whose entries are bounded by what the terms of polynomials add up to, and by the
-/// error of the approximation. (So tangents that turn together, as around a pole, lose little.)
+/// With the half sides made unit vectors, let the columns of `M` be the components of both tangents
+/// along two axes in that plane, at 45° to the bisector of those in the middle, which are at an
+/// angle `φ`. In the middle `M` is symmetric, and its least eigenvalue is `√(1 − |cos φ|)`. For a
+/// unit vector `v`, `|M v|` is at least `v · M v`. That is less than in the middle by no more than
+/// the largest eigenvalue of the symmetric part of the difference, whose entries are bounded by
+/// what the terms of polynomials add up to, and by the error of the approximation. The same holds
+/// for means of `M`. (So tangents that turn together, as around a pole, lose little.)
 pub(super) fn stretch(fit: &Fit, weight: &WeightFit, error: &FitError) -> f64 {
     let (a, b) = (term(fit, 4), term(fit, 1));
     let lengths = [a.length(), b.length()];
@@ -29,62 +36,81 @@ pub(super) fn stretch(fit: &Fit, weight: &WeightFit, error: &FitError) -> f64 {
         let term = term(fit, m);
         DVec2::new(term.dot(axes[0]), term.dot(axes[1]))
     });
-    let Turning { along, across } = if *weight == NO_WEIGHT {
-        of_polynomial(&terms, lengths, error.slope)
-    } else {
+    let turning = if *weight != NO_WEIGHT {
         of_quotient(&terms, weight, lengths, error)
+    } else if tangents_are_short(fit, lengths) {
+        Some(of_polynomial(&terms, lengths, error.slope))
+    } else {
+        None
     };
-    let [x, y] = along;
-    let turned = 0.5 * (x + y + (x - y).hypot(across));
-    let left = (1.0 - unit_a.dot(unit_b).abs()).sqrt() - turned;
-    // Rounding error is far less than this; false for NaN.
-    let stretches = left > 1e-3;
+    let Some(Turning { diagonal: [x, y], others }) = turning else { return f64::INFINITY };
+    let turned = 0.5 * (x + y + (x - y).hypot(others));
+    let left = (1.0 - unit_a.dot(unit_b).abs()).sqrt() - turned - ROUNDING;
+    let stretches = left > 1e-3; // false for NaN
     if stretches { 1.0 / left } else { f64::INFINITY }
 }
 
-/// How far the matrix of two tangents may be from the one in the middle.
+/// Whether the terms of either tangent of a polynomial, wherever it bends, add up to no more than
+/// twice its length in the middle. Their rounding errors are told by that.
+fn tangents_are_short(fit: &Fit, lengths: [f64; 2]) -> bool {
+    let mut others = [0.0; 2];
+    for m in 0..16 {
+        let (i, j) = (m / 4, m % 4);
+        if i + j > 1 {
+            let size = term(fit, m).length() * REACHES[i + j - 1];
+            others[0] += i as f64 * size;
+            others[1] += j as f64 * size;
+        }
+    }
+    others[0] <= lengths[0] && others[1] <= lengths[1]
+}
+
+/// Bounds of how far the matrix of both tangents is from that in the middle.
 struct Turning {
-    /// Bounds of the entries on the diagonal.
-    along: [f64; 2],
-    /// Bound of the sum of the other two.
-    across: f64,
+    /// Of the entries on the diagonal.
+    diagonal: [f64; 2],
+    /// Of the sum of the other two.
+    others: f64,
 }
 
 impl Turning {
-    /// The bounds from the terms of both tangents, the coefficients of `xⁱ yʲ` for `i` and `j` below
-    /// `powers`, less the tangents in the middle, and from the error bound of either tangent.
+    /// From how both tangents differ from those in the middle: the coefficients of `xⁱ yʲ`, for `i`
+    /// and `j` below `powers`, which are multiplied by `scale`; and an error bound of either.
     #[inline(always)]
     fn new(
-        terms: impl Fn(usize, usize) -> [DVec2; 2],
-        powers: usize,
+        differences: impl Fn(usize, usize) -> [DVec2; 2],
+        (powers, scale): (usize, f64),
         lengths: [f64; 2],
         error: f64,
     ) -> Self {
         let per_length = lengths.map(|length| 1.0 / length);
-        let [by_x, by_y] = per_length.map(|per_length| error * per_length);
-        let (mut along, mut across) = ([by_x, by_y], by_x + by_y);
+        let (mut diagonal, mut others) = ([0.0; 2], 0.0);
         for i in 0..powers {
             for j in 0..powers {
-                let [x, y] = terms(i, j);
-                let (x, y) = (x * per_length[0], y * per_length[1]);
+                let [by_x, by_y] = differences(i, j);
+                let (by_x, by_y) = (by_x * per_length[0], by_y * per_length[1]);
                 let reach = REACHES[i] * REACHES[j];
-                along[0] += x.x.abs() * reach;
-                along[1] += y.y.abs() * reach;
-                across += (x.y + y.x).abs() * reach;
+                diagonal[0] += by_x.x.abs() * reach;
+                diagonal[1] += by_y.y.abs() * reach;
+                others += (by_x.y + by_y.x).abs() * reach;
             }
         }
-        Self { along, across }
+        let off = per_length.map(|per_length| error * per_length);
+        Self {
+            diagonal: [scale * diagonal[0] + off[0], scale * diagonal[1] + off[1]],
+            others: scale * others + off[0] + off[1],
+        }
     }
 }
 
 /// For a polynomial with these terms.
 fn of_polynomial(terms: &[DVec2; 16], lengths: [f64; 2], error: f64) -> Turning {
-    let tangents = |i: usize, j: usize| {
+    let differences = |i: usize, j: usize| {
         let by_x = if i < 3 { (i + 1) as f64 * terms[4 * i + 4 + j] } else { DVec2::ZERO };
         let by_y = if j < 3 { (j + 1) as f64 * terms[4 * i + j + 1] } else { DVec2::ZERO };
         if i + j == 0 { [DVec2::ZERO; 2] } else { [by_x, by_y] }
     };
-    Turning::new(tangents, 4, lengths, error)
+    Turning::new(differences, (4, 1.0), lengths, error)
 }
 
 /// For a surface `S = X / W`: with the tangents `a` and `b` in the middle,
@@ -92,13 +118,14 @@ fn of_polynomial(terms: &[DVec2; 16], lengths: [f64; 2], error: f64) -> Turning 
 /// `S_x − a = (X_x W − X W_x − W² a) / W²`, and the same for `y` and `b`.
 ///
 /// The approximation's error adds the slopes' error of `X` and `W` for the surface's own point, and
-/// the points' error times the slope of `W`, over `W`.
+/// the points' error times the slope of `W`, over `W`. (That of `W` itself is left to `ROUNDING`.)
+/// `None` where weights may be zero.
 fn of_quotient(
     terms: &[DVec2; 16],
     weight: &WeightFit,
     lengths: [f64; 2],
     error: &FitError,
-) -> Turning {
+) -> Option<Turning> {
     let weight = weight.map(f64::from);
     let mut in_powers = [[0.0; 4]; 4];
     in_powers.as_flattened_mut().copy_from_slice(&weight);
@@ -106,9 +133,10 @@ fn of_quotient(
     let least = weights.as_flattened().iter().copied().fold(f64::INFINITY, f64::min);
     let positive = least > 0.0; // false for NaN
     if !positive {
-        return Turning { along: [f64::INFINITY; 2], across: f64::INFINITY };
+        return None;
     }
 
+    // Without terms of third degree, there are a third as many products.
     let is_cubic = |m: usize| m / 4 == 3 || m % 4 == 3;
     let is_used = |m: usize| terms[m] != DVec2::ZERO || weight[m] != 0.0;
     let powers = if (0..16).any(|m| is_cubic(m) && is_used(m)) { 4 } else { 3 };
@@ -135,13 +163,11 @@ fn of_quotient(
         }
     }
     let [a, b] = [terms[4], terms[1]];
-    let tangents =
+    let differences =
         |i: usize, j: usize| [by_x[i][j] - squared[i][j] * a, by_y[i][j] - squared[i][j] * b];
-    let over_square = 1.0 / (least * least);
-    let off = (error.slope + error.value * weight_slope) / least;
-    let Turning { along, across } =
-        Turning::new(tangents, 2 * powers - 1, lengths, off / over_square);
-    Turning { along: along.map(|size| size * over_square), across: across * over_square }
+    let scale = 1.0 / (least * least);
+    let off = (error.slope + error.value / least * weight_slope) / least;
+    Some(Turning::new(differences, (2 * powers - 1, scale), lengths, off))
 }
 
 #[cfg(test)]
@@ -168,6 +194,7 @@ mod tests {
         for part in parts.all() {
             let piece = &set.pieces()[part.piece as usize];
             let (leaf, _, _) = Leaf::new(part, piece, &frame);
+            // At a pole, places differ whose points do not.
             if piece.surface != 0 || leaf.has_pole() {
                 continue;
             }
@@ -212,6 +239,15 @@ mod tests {
         let (stretches, shown) = check(&spheres);
         let small = stretches.iter().filter(|&&stretch| stretch < 1.5 * shown).count();
         assert!(2 * small >= stretches.len(), "{stretches:?}, {shown}");
+        let thin = sheet(|x, y| DVec4::new(x, 1e-3 * y + 0.01 * x * x, 0.2 * x.sin(), 1.0));
+        let twisted = sheet(|x, y| {
+            let w = 0.02 + 0.1 * x;
+            DVec4::new(x, 1e-3 * y + w * y * x, 0.01 * y * x, 1.0 + 0.05 * x)
+        });
+        let acute = sheet(|x, y| DVec4::new(x + 9.0 * y, y + 0.1 * x, 0.3 * (x - y).sin(), 1.0));
+        for surface in [thin, twisted, acute] {
+            let _ = check(&[surface]);
+        }
         for surface in [shapes::torus(1.0, 0.03).unwrap(), weighted, leaning] {
             let (stretches, shown) = check(&[surface]);
             assert!(

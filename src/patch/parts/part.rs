@@ -87,7 +87,7 @@ pub(in crate::patch) struct Cut {
 }
 
 impl BarePart {
-    /// Any part, before anything is known of it.
+    /// A part of which nothing else is known yet.
     fn over(rect: DyadicRect) -> Self {
         Self { rect, cuts: 0, inside: false }
     }
@@ -120,8 +120,8 @@ impl BarePart {
         self.around(index, piece, &restricted(piece, on_piece))
     }
 
-    /// The same; these control points hold all that its leaf answers for. The box is grown by the
-    /// error bound of points.
+    /// The part with a box around control points that hold all that its leaf answers for, grown by
+    /// the error bound of points.
     fn around(self, index: u32, piece: &Piece, points: &[DVec4]) -> Part {
         let bounds = Aabb::around(points.iter().map(|&c| euclidean(c)));
         let bounds = bounds.grown(piece.patch.noise());
@@ -267,11 +267,10 @@ impl PartNet {
     }
 
     fn halves(&self, piece: &Piece, direction: usize) -> [Self; 2] {
-        let mut from = 0.0;
-        self.bare.halves(direction).map(|bare| {
+        let [first, second] = self.bare.halves(direction);
+        [(first, 0.0), (second, 0.5)].map(|(bare, from)| {
             let mut ranges = [[0.0, 1.0]; 2];
             ranges[direction] = [from, from + 0.5];
-            from += 0.5;
             Self { bare, net: self.grown(piece, ranges[0], ranges[1]), bend: None }
         })
     }
