@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
-use super::parts::part::{BarePart, Cut, PartNet};
+use super::parts::part::{Cut, PartNet};
 use super::pieces::chart_grid::ChartGrid;
 use super::{DyadicRect, GroupedParts, Leaf, OrientedBox, Part, Piece};
 use crate::math::Aabb;
@@ -88,25 +88,48 @@ pub(super) fn coarse(pieces: &[Piece], grids: &[ChartGrid]) -> GroupedParts {
 /// halved, again and again, as long as there is room. Halves that are not flat enough by themselves
 /// may take a little more.
 fn halved(pieces: &[Piece], grids: &[ChartGrid], bounds: Aabb) -> Vec<Part> {
-    let charts = grids.par_iter().flat_map(|grid| grid.pieces());
-    let coarse: Vec<(Flats, Aabb)> = charts.map(|k| flats_of(k, &pieces[k])).collect();
-    let bounds = coarse.iter().fold(bounds, |all, (_, bounds)| all.union(*bounds));
-    let mut open: BinaryHeap<Flat> = coarse.into_iter().flat_map(|(flats, _)| flats).collect();
-    let room = Room::new(open.len(), bounds);
+    let charts = || grids.par_iter().flat_map(|grid| grid.pieces());
+    let flats = |k: usize| flats_of(k, &pieces[k]);
+    // The parts that stay as they are, and those that may be halved.
+    let (mut leaves, mut open, room): (Vec<Part>, BinaryHeap<Flat>, Room);
+    if pieces_of(grids) <= MOST_OF_SCENE {
+        let coarse: Vec<Flats> = charts().map(flats).collect();
+        leaves = Vec::new();
+        open = coarse.into_iter().flatten().collect();
+        let boxes = open.iter().map(|flat| flat.part_net.bounds());
+        room = Room::new(open.len(), boxes.fold(bounds, Aabb::union));
+    } else {
+        // The control points of all parts at once would take too much memory.
+        let coarse: Vec<(usize, f64, SmallVec<[Part; 1]>)> = charts()
+            .map(|k| {
+                let flats = flats(k);
+                let worth = flats.iter().map(Flat::worth).fold(0.0, f64::max);
+                (k, worth, flats.iter().map(|flat| flat.part(pieces)).collect())
+            })
+            .collect();
+        let parts = || coarse.iter().flat_map(|(_, _, parts)| parts);
+        let boxes = parts().map(|part| part.bounds);
+        room = Room::new(parts().count(), boxes.fold(bounds, Aabb::union));
+        let (bent, others): (Vec<_>, Vec<_>) =
+            coarse.into_iter().partition(|(_, worth, _)| room.may_be_for(*worth));
+        leaves = others.into_iter().flat_map(|(_, _, parts)| parts).collect();
+        let bent: Vec<Flats> = bent.into_par_iter().map(|(k, _, _)| flats(k)).collect();
+        open = bent.into_iter().flatten().collect();
+    }
+
     while let Some(way) = open.peek().and_then(|flat| flat.way) {
-        if !room.is_for(way.worth, open.len()) {
+        if !room.is_for(way.worth, leaves.len() + open.len()) {
             break;
         }
         let Some(flat) = open.pop() else { break };
         let piece = &pieces[flat.piece as usize];
-        flat.part.halved(piece, way, &mut |part_net| {
-            open.push(Flat::new(flat.piece, piece, &part_net));
+        flat.part_net.halved(piece, way, &mut |part_net| {
+            open.push(Flat::new(flat.piece, piece, part_net));
         });
     }
-    let mut flats = open.into_vec();
-    flats.par_sort_unstable_by_key(Flat::place);
-    let part = |flat: Flat| flat.part.part(flat.piece, &pieces[flat.piece as usize]);
-    flats.into_par_iter().map(part).collect()
+    leaves.par_extend(open.into_vec().into_par_iter().map(|flat| flat.part(pieces)));
+    leaves.par_sort_unstable_by_key(|part| (part.piece, part.rect));
+    leaves
 }
 
 /// How many leaves there may be besides those of dense charts.
@@ -136,23 +159,27 @@ impl Room {
     fn is_for(&self, worth: f64, count: usize) -> bool {
         let most = if worth > self.worth_in_scene {
             self.in_scene
-        } else if worth > 0.5 * self.worth_in_scene {
+        } else if self.may_be_for(worth) {
             self.more
         } else {
             0
         };
         count < most.max(self.worthwhile)
     }
+
+    /// Whether it may be the turn of such a part in a large scene.
+    fn may_be_for(&self, worth: f64) -> bool {
+        worth > 0.5 * self.worth_in_scene
+    }
 }
 
-/// The coarsest parts of a piece, and a box that holds their control points.
-fn flats_of(index: usize, piece: &Piece) -> (Flats, Aabb) {
-    let (mut flats, mut bounds) = (Flats::new(), Aabb::EMPTY);
+/// The coarsest parts of a piece.
+fn flats_of(index: usize, piece: &Piece) -> Flats {
+    let mut flats = Flats::new();
     PartNet::whole(piece).coarse_parts(piece, &mut |part_net| {
-        flats.push(Flat::new(index as u32, piece, &part_net));
-        bounds = bounds.union(part_net.bounds());
+        flats.push(Flat::new(index as u32, piece, part_net));
     });
-    (flats, bounds)
+    flats
 }
 
 type Flats = SmallVec<[Flat; 1]>;
@@ -160,18 +187,28 @@ type Flats = SmallVec<[Flat; 1]>;
 /// A part that becomes a leaf unless there is room for its halves.
 struct Flat {
     piece: u32,
-    part: BarePart,
+    part_net: Box<PartNet>,
     /// How to halve the part, if that is worth anything.
     way: Option<Cut>,
 }
 
 impl Flat {
-    fn new(index: u32, piece: &Piece, part_net: &PartNet) -> Self {
-        Self { piece: index, part: part_net.bare(), way: part_net.way(piece) }
+    fn new(index: u32, piece: &Piece, part_net: PartNet) -> Self {
+        let way = part_net.way(piece);
+        Self { piece: index, part_net: Box::new(part_net), way }
     }
 
     fn place(&self) -> (u32, DyadicRect) {
-        (self.piece, self.part.rect())
+        (self.piece, self.part_net.rect())
+    }
+
+    /// What halving is worth.
+    fn worth(&self) -> f64 {
+        self.way.map_or(0.0, |way| way.worth)
+    }
+
+    fn part(&self, pieces: &[Piece]) -> Part {
+        self.part_net.part(self.piece, &pieces[self.piece as usize])
     }
 }
 

@@ -115,21 +115,18 @@ pub(crate) fn compare(
     match (&wide.hit, &scalar.hit) {
         (Some(a), Some(b)) => {
             let direction = ray.direction().normalize();
-            let control = pieces_of(bvh, a.surface).map(|piece| piece.patch.magnitude());
-            let farthest = control.fold(0.0, f64::max);
-            // Close to zero, sums of points are rounded that are far larger than they.
             let magnitude = ray.origin().abs().max(a.point.abs()).max_element();
-            let magnitude = magnitude.max(0.02 * farthest);
             let [p, q] = pieces_of(bvh, a.surface).next().unwrap().patch.degree();
             // Twice the promise, as either answer may use all of it; made as if no control point
-            // were much farther out than origin and hit.
+            // were farther out than origin and hit.
             let twice = 2.0 * rounding::residual_factor(p, q) * magnitude;
             let tips = pieces_of(bvh, a.surface).flat_map(Piece::collapsed_sides);
             let to_tip = tips.map(|(_, tip)| a.point.distance(tip)).fold(f64::INFINITY, f64::min);
             // Beside a pole either answer may be off by twice the promise, and control points
             // count: those of a sphere reach to 4.
-            let farther = farthest.max(magnitude) / magnitude;
-            let error = if to_tip <= 1e-2 * scale { 2.0 * farther * twice } else { twice };
+            let control = pieces_of(bvh, a.surface).map(|piece| piece.patch.magnitude());
+            let farthest = control.fold(magnitude, f64::max) / magnitude;
+            let error = if to_tip <= 1e-2 * scale { 2.0 * farthest * twice } else { twice };
             let cosine = a.normal.dot(direction).abs().min(b.normal.dot(direction).abs());
             // Without a normal, as at a tip, nothing is known of the angle.
             let cosine = if cosine.is_nan() { 0.1 } else { cosine };

@@ -50,22 +50,15 @@ pub(crate) struct Part {
     pub trimmed: bool,
 }
 
-/// A part of a piece that may be halved. Its control points, which take more memory than a leaf, are
-/// made anew when it is.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::patch) struct BarePart {
+/// A part of a piece and the control points over it, while it is being halved.
+#[derive(Debug)]
+pub(in crate::patch) struct PartNet {
     rect: DyadicRect,
+    net: BezierNet,
     /// How often it was halved for the sake of trim curves.
     cuts: u32,
     /// Whether trims are known to have cut off nothing of it; determined before it is handed over.
     inside: bool,
-}
-
-/// A part of a piece and the control points over it, while it is being halved.
-#[derive(Debug)]
-pub(in crate::patch) struct PartNet {
-    bare: BarePart,
-    net: BezierNet,
     /// How much it bends, set before it is handed over; `None` where only rounding error is left to
     /// measure.
     bend: Option<Bend>,
@@ -86,85 +79,24 @@ pub(in crate::patch) struct Cut {
     pub(in crate::patch) worth: f64,
 }
 
-impl BarePart {
-    /// A part of which nothing else is known yet.
-    fn over(rect: DyadicRect) -> Self {
-        Self { rect, cuts: 0, inside: false }
-    }
-
-    /// Its rectangle on the piece.
-    pub(in crate::patch) fn rect(self) -> DyadicRect {
-        self.rect
-    }
-
-    /// Hands over the parts of both halves, as [`PartNet::coarse_parts`] does.
-    pub(in crate::patch) fn halved(self, piece: &Piece, way: Cut, done: &mut impl FnMut(PartNet)) {
-        let cuts = self.cuts + u32::from(way.at_trims);
-        for half in self.halves(way.direction) {
-            PartNet::of(piece, Self { cuts, ..half }).coarse_parts(piece, done);
-        }
-    }
-
-    fn halves(self, direction: usize) -> [Self; 2] {
-        [0, 1].map(|side| Self { rect: self.rect.half(direction, side), ..self })
-    }
-
-    /// The part as a leaf is made from it.
-    pub(in crate::patch) fn part(self, index: u32, piece: &Piece) -> Part {
-        let ranges = self.rect.ranges();
-        let answered = self.answered();
-        let on_piece = [0, 1].map(|k| {
-            let [from, to] = ranges[k];
-            answered[k].map(|side| from + side * (to - from))
-        });
-        self.around(index, piece, &restricted(piece, on_piece))
-    }
-
-    /// The part with a box around control points that hold all that its leaf answers for, grown by
-    /// the error bound of points.
-    fn around(self, index: u32, piece: &Piece, points: &[DVec4]) -> Part {
-        let bounds = Aabb::around(points.iter().map(|&c| euclidean(c)));
-        let bounds = bounds.grown(piece.patch.noise());
-        Part { piece: index, rect: self.rect, bounds, trimmed: !self.inside }
-    }
-
-    /// The leaf and its slack, in sides of the part; the slack ends with the piece.
-    fn answered(self) -> StRect {
-        self.rect.ranges().map(|[from, to]| {
-            let low = if from == 0.0 { 0.0 } else { -LEAF_SLACK };
-            let high = if to == 1.0 { 1.0 } else { 1.0 + LEAF_SLACK };
-            [low, high]
-        })
-    }
-}
-
-/// The control points of a piece over a rectangle.
-fn restricted(piece: &Piece, [s, t]: StRect) -> BezierNet {
-    let mut net = piece.patch.control_net();
-    if [s, t] != DyadicRect::UNIT.ranges() {
-        bernstein::restrict_net(&mut net, piece.patch.degree(), s, t);
-    }
-    net
-}
-
 impl PartNet {
     /// A whole piece.
     pub(in crate::patch) fn whole(piece: &Piece) -> Self {
-        Self::over(piece, DyadicRect::UNIT)
+        Self {
+            rect: DyadicRect::UNIT,
+            net: piece.patch.control_net(),
+            cuts: 0,
+            inside: false,
+            bend: None,
+        }
     }
 
     /// The part of a piece over a rectangle.
     pub(in crate::patch) fn over(piece: &Piece, rect: DyadicRect) -> Self {
-        Self::of(piece, BarePart::over(rect))
-    }
-
-    fn of(piece: &Piece, bare: BarePart) -> Self {
-        Self { bare, net: restricted(piece, bare.rect.ranges()), bend: None }
-    }
-
-    /// The part without its control points.
-    pub(in crate::patch) fn bare(&self) -> BarePart {
-        self.bare
+        let mut net = piece.patch.control_net();
+        let [s, t] = rect.ranges();
+        bernstein::restrict_net(&mut net, piece.patch.degree(), s, t);
+        Self { rect, net, cuts: 0, inside: false, bend: None }
     }
 
     /// Hands over the parts of this part that are flat enough to be leaves and are not cut off by
@@ -178,12 +110,12 @@ impl PartNet {
         if coverage == Coverage::Outside {
             return;
         }
-        self.bare.inside = coverage == Coverage::Inside;
-        if let (false, Some(smaller)) = (self.bare.inside, self.cut_down(piece)) {
+        self.inside = coverage == Coverage::Inside;
+        if let (false, Some(smaller)) = (self.inside, self.cut_down(piece)) {
             smaller.coarse_parts(piece, done);
             return;
         }
-        self.bend = Bend::of(piece, self.bare.rect, &self.net);
+        self.bend = Bend::of(piece, self.rect, &self.net);
         match self.bend.and_then(|bend| bend.too_much()) {
             Some(direction) => {
                 let [first, second] = self.halves(piece, direction);
@@ -199,12 +131,20 @@ impl PartNet {
         let bend = self.bend?;
         let (mut direction, mut angle) = bend.most();
         let mut at_trims = false;
-        let worth = AT_TRIMS.get(self.bare.cuts as usize).filter(|&&worth| worth > angle);
+        let worth = AT_TRIMS.get(self.cuts as usize).filter(|&&worth| worth > angle);
         if let (Some(&worth), Some(across)) = (worth, self.direction_to_cut(piece)) {
             (direction, angle, at_trims) = (across, worth, true);
         }
         let worth = angle * bend.size().sqrt();
         (angle > FLATTEST).then_some(Cut { direction, at_trims, worth })
+    }
+
+    /// Hands over the parts of both halves, as [`coarse_parts`](Self::coarse_parts) does.
+    pub(in crate::patch) fn halved(&self, piece: &Piece, way: Cut, done: &mut impl FnMut(Self)) {
+        for mut half in self.halves(piece, way.direction) {
+            half.cuts += u32::from(way.at_trims);
+            half.coarse_parts(piece, done);
+        }
     }
 
     /// The part without what trims cut off along its sides, if that is worthwhile.
@@ -214,13 +154,13 @@ impl PartNet {
     /// a point, where its parameter may be anything.
     fn cut_down(&self, piece: &Piece) -> Option<Self> {
         let kept = piece.kept_part(self.on_piece(WIDENING))?;
-        let old = self.bare.rect.ranges();
+        let old = self.rect.ranges();
         let chords = piece.patch.chords(old).map(DVec3::length);
         let runs_along_pole = |k: usize| {
             let mut poles = piece.collapsed_sides().map(|(side, _)| side);
             poles.any(|side| side.along() as usize == k && side.is_reached_by(&old))
         };
-        let rect = self.bare.rect.cut_down_to(std::array::from_fn(|k| {
+        let rect = self.rect.cut_down_to(std::array::from_fn(|k| {
             let more = WIDENING * (old[k][1] - old[k][0]);
             let is_long = WIDENING * chords[k] > LEAST_MARGIN * piece.patch.noise();
             let is_cut = is_long && !runs_along_pole(k);
@@ -236,18 +176,18 @@ impl PartNet {
             new[k].map(|at| (at - from) / (to - from))
         });
         let net = self.grown(piece, on_part[0], on_part[1]);
-        Some(Self { bare: BarePart { rect, ..self.bare }, net, bend: None })
+        Some(Self { rect, net, bend: None, ..*self })
     }
 
     /// The trims of the piece, if they may have cut off something of this part.
     fn trims_of<'a>(&self, piece: &'a Piece) -> Option<&'a Trims> {
-        piece.trims().filter(|_| !self.bare.inside)
+        piece.trims().filter(|_| !self.inside)
     }
 
     /// The part's rectangle with `part` of its sides added on each side, as far as the piece
     /// goes.
     fn on_piece(&self, part: f64) -> StRect {
-        self.bare.rect.ranges().map(|[from, to]| {
+        self.rect.ranges().map(|[from, to]| {
             let more = part * (to - from);
             [(from - more).max(0.0), (to + more).min(1.0)]
         })
@@ -261,32 +201,43 @@ impl PartNet {
         if trims.classify(&middle) != Coverage::Mixed {
             return None;
         }
-        let chords = piece.patch.chords(self.bare.rect.ranges()).map(DVec3::length);
+        let chords = piece.patch.chords(self.rect.ranges()).map(DVec3::length);
         let longer = usize::from(chords[1] > chords[0]);
-        [longer, 1 - longer].into_iter().find(|&k| self.bare.rect.halvings(k) < MOST_HALVINGS)
+        [longer, 1 - longer].into_iter().find(|&k| self.rect.halvings(k) < MOST_HALVINGS)
     }
 
     fn halves(&self, piece: &Piece, direction: usize) -> [Self; 2] {
-        let [first, second] = self.bare.halves(direction);
-        [(first, 0.0), (second, 0.5)].map(|(bare, from)| {
+        let half = |side: u32| {
+            let from = 0.5 * f64::from(side);
             let mut ranges = [[0.0, 1.0]; 2];
             ranges[direction] = [from, from + 0.5];
-            Self { bare, net: self.grown(piece, ranges[0], ranges[1]), bend: None }
-        })
+            let net = self.grown(piece, ranges[0], ranges[1]);
+            Self { rect: self.rect.half(direction, side), net, bend: None, ..*self }
+        };
+        [half(0), half(1)]
     }
 
-    /// The part as a leaf is made from it.
+    /// What is kept of the part: its place, and an axis-parallel box around every point its leaf
+    /// answers for, grown by the error bound of points.
     pub(in crate::patch) fn part(&self, index: u32, piece: &Piece) -> Part {
-        if self.bare.rect == DyadicRect::UNIT {
-            self.bare.around(index, piece, &self.net)
+        let whole = self.rect == DyadicRect::UNIT;
+        let bounds = if whole {
+            self.bounds()
         } else {
-            self.bare.around(index, piece, &self.answered(piece))
-        }
+            Aabb::around(self.answered(piece).iter().map(|&c| euclidean(c)))
+        };
+        let bounds = bounds.grown(piece.patch.noise());
+        Part { piece: index, rect: self.rect, bounds, trimmed: !self.inside }
     }
 
     /// The control points over the leaf and its slack; the slack ends with the piece.
     pub(in crate::patch) fn answered(&self, piece: &Piece) -> BezierNet {
-        let [s, t] = self.bare.answered();
+        let range = |[from, to]: [f64; 2]| {
+            let low = if from == 0.0 { 0.0 } else { -LEAF_SLACK };
+            let high = if to == 1.0 { 1.0 } else { 1.0 + LEAF_SLACK };
+            [low, high]
+        };
+        let [s, t] = self.rect.ranges().map(range);
         self.grown(piece, s, t)
     }
 
@@ -314,6 +265,11 @@ impl PartNet {
     /// The bounding box of the control points.
     pub(in crate::patch) fn bounds(&self) -> Aabb {
         Aabb::around(self.net.iter().map(|&c| euclidean(c)))
+    }
+
+    /// Its rectangle on the piece.
+    pub(in crate::patch) fn rect(&self) -> DyadicRect {
+        self.rect
     }
 
     /// The control points.
