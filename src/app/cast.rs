@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use nurbray::intersect::Coherence;
-use nurbray::io::{read_rays, write_rows};
+use nurbray::io::{read_rays, write_parts};
 use nurbray::math::Ray;
 use serde_json::json;
 
@@ -99,6 +99,6 @@ fn cast<const N: usize>(
     let traced = trace(rays, &progress);
     let seconds = start.elapsed().as_secs_f64();
     progress.finish();
-    write_rows(&arguments.output, &traced.rows).or_failed()?;
+    write_parts(&arguments.output, &traced.rows).or_failed()?;
     Ok((Counts { hits: traced.hits, doubtful: traced.doubtful }, seconds))
 }

@@ -254,11 +254,14 @@ fn pour(mut file: File, path: &Path) -> io::Result<()> {
     stream.flush()
 }
 
+/// Bytes that are written at a time: a small part of what tables and pictures take.
+const BUFFER: usize = 1 << 18;
+
 fn fill(
     file: &mut File,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
 ) -> io::Result<()> {
-    let mut buffer = BufWriter::new(file);
+    let mut buffer = BufWriter::with_capacity(BUFFER, file);
     write(&mut buffer)?;
     buffer.flush()
 }

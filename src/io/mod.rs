@@ -7,7 +7,7 @@
 //! | scene, TOML: [`scene_toml`] shows every key | [`read_scene`] | |
 //! | model, geomdl JSON: [`geomdl`] says what is read | [`read_geomdl`] | |
 //! | cage of a subdivision surface, OBJ: [`obj`] says what is read | [`read_obj_cage`] | |
-//! | rays and hits, NumPy | [`read_rays`], [`read_table`] | [`write_rows`] |
+//! | rays and hits, NumPy | [`read_rays`], [`read_table`] | [`write_rows`], [`write_parts`] |
 //! | picture with its data, OpenEXR | | [`write_exr`] |
 //! | scene for POV-Ray | | [`povray_scene`] |
 //! | picture for a screen, PNG | | [`write_png`], [`write_png_bytes`] |
@@ -76,7 +76,7 @@ pub use exr::{ExrNotes, ExrPrecision, stage_exr, write_exr, write_exr_to};
 pub use geomdl::{Model, read_geomdl};
 pub use load::load_input;
 pub use load_error::{LoadError, LoadFault};
-pub use npy::{Table, read_rays, read_table, table_from_bytes, write_rows};
+pub use npy::{Table, read_rays, read_table, table_from_bytes, write_parts, write_rows};
 pub use npy_error::NpyError;
 pub use obj::{CageModel, read_obj_cage};
 pub use png::{

@@ -13,6 +13,9 @@ use super::npy_header::read_header;
 use super::{WriteError, write_atomically};
 use crate::math::Ray;
 
+/// Bytes that are read at a time.
+const BUFFER: usize = 1 << 18;
+
 /// A table of numbers, row after row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
@@ -78,7 +81,7 @@ pub fn read_table(path: &Path, columns: &[usize]) -> Result<Table, NpyError> {
     }
     // Pipes have no length; they are read until they end.
     let length = metadata.is_file().then_some(metadata.len());
-    read_from(BufReader::new(file), length, path, columns)
+    read_from(BufReader::with_capacity(BUFFER, file), length, path, columns)
 }
 
 /// As [`read_table`], from the bytes of a file; errors call it `path`.
@@ -182,13 +185,26 @@ fn shape(header: &NpyHeader, path: &Path, columns: &[usize]) -> Result<(usize, u
 /// # Errors
 /// When the file cannot be written; an older one then stays as it was.
 pub fn write_rows<const N: usize>(path: &Path, rows: &[[f64; N]]) -> Result<(), WriteError> {
+    write_parts(path, &[rows])
+}
+
+/// Writes the rows of several parts, one part after the other, as [`write_rows`] does.
+///
+/// # Errors
+/// As [`write_rows`].
+pub fn write_parts<const N: usize>(
+    path: &Path,
+    parts: &[impl AsRef<[[f64; N]]>],
+) -> Result<(), WriteError> {
+    let parts = || parts.iter().map(AsRef::as_ref);
+    let count: usize = parts().map(<[_]>::len).sum();
     write_atomically(path, |file| {
         let mut array = npyz::WriteOptions::new()
             .default_dtype()
-            .shape(&[rows.len() as u64, N as u64])
+            .shape(&[count as u64, N as u64])
             .writer(file)
             .begin_nd()?;
-        array.extend(rows.iter().flatten().copied())?;
+        array.extend(parts().flatten().flatten().copied())?;
         array.finish()
     })
 }
@@ -387,11 +403,14 @@ mod tests {
         let rows: Vec<[f64; 11]> =
             (0..5).map(|i| std::array::from_fn(|j| f64::from(i).sin() / (j as f64))).collect();
         write_rows(&path, &rows).unwrap();
+        let whole = fs::read(&path).unwrap();
         let table = read_table(&path, &[11]).unwrap();
         for (read, row) in table.rows().zip(&rows) {
             let bits = |row: &[f64]| row.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
             assert_eq!(bits(read), bits(row));
         }
+        write_parts(&path, &[&rows[..2], &[], &rows[2..]]).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), whole);
         write_rows::<12>(&path, &[]).unwrap();
         assert_eq!(read_table(&path, &[12]).unwrap().row_count(), 0);
         let bytes = fs::read(&path).unwrap();

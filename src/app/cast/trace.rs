@@ -25,28 +25,28 @@ pub(super) struct Tracing<'a> {
 /// The rows of all rays, and counts.
 #[derive(Debug)]
 pub(super) struct Traced<const N: usize> {
-    /// What goes into the file.
-    pub(super) rows: Vec<[f64; N]>,
+    /// What goes into the file, chunk after chunk of the rays.
+    pub(super) rows: Vec<Vec<[f64; N]>>,
     /// Hits among the rows.
     pub(super) hits: u64,
     /// Rays whose answer is doubtful.
     pub(super) doubtful: u64,
 }
 
-impl<const N: usize> Traced<N> {
-    fn new() -> Self {
-        Self { rows: Vec::new(), hits: 0, doubtful: 0 }
-    }
+/// The rows of a chunk of rays, and counts.
+struct Part<const N: usize> {
+    rows: Vec<[f64; N]>,
+    hits: u64,
+    doubtful: u64,
+}
 
-    fn joined(parts: Vec<Self>) -> Self {
-        let mut whole = Self::new();
-        whole.rows.reserve_exact(parts.iter().map(|part| part.rows.len()).sum());
-        for part in parts {
-            whole.rows.extend(part.rows);
-            whole.hits += part.hits;
-            whole.doubtful += part.doubtful;
+impl<const N: usize> Traced<N> {
+    fn of(parts: Vec<Part<N>>) -> Self {
+        Self {
+            hits: parts.iter().map(|part| part.hits).sum(),
+            doubtful: parts.iter().map(|part| part.doubtful).sum(),
+            rows: parts.into_iter().map(|part| part.rows).collect(),
         }
-        whole
     }
 }
 
@@ -62,13 +62,13 @@ pub(super) fn first_hits(
         tracer.first_hits(rays, tracing.coherence, &mut answers);
         progress.add_rays(rays.len() as u64);
 
-        Traced {
+        Part {
             rows: answers.iter().map(first_row).collect(),
             hits: answers.iter().filter(|answer| answer.hit.is_some()).count() as u64,
             doubtful: answers.iter().filter(|answer| answer.doubtful).count() as u64,
         }
     });
-    Traced::joined(parts.collect())
+    Traced::of(parts.collect())
 }
 
 /// Every hit of each ray, by increasing `t`.
@@ -80,7 +80,7 @@ pub(super) fn all_hits(
     let parts = rays.par_chunks(CHUNK).with_max_len(1).enumerate().map(|(chunk, rays)| {
         let mut tracer = tracing.bvh.tracer_with(tracing.kernel);
         let mut hits = Vec::new();
-        let mut part = Traced::new();
+        let mut part = Part { rows: Vec::new(), hits: 0, doubtful: 0 };
         for (offset, ray) in rays.iter().enumerate() {
             let doubtful = tracer.all_hits(ray, &mut hits);
             part.rows.extend(all_rows(chunk * CHUNK + offset, &hits, doubtful));
@@ -90,5 +90,5 @@ pub(super) fn all_hits(
         progress.add_rays(rays.len() as u64);
         part
     });
-    Traced::joined(parts.collect())
+    Traced::of(parts.collect())
 }
