@@ -101,7 +101,9 @@ impl BoxRay {
     }
 
     /// Returns the nearest child whose box the ray meets; pushes the others onto the stack, the
-    /// nearest last.
+    /// nearest last. (Without a branch for which is nearer: measured on a Xeon, incoherent rays are
+    /// traced 1.00 to 1.05 times as fast as with sorting by branches, rays of a picture 0.94 to 0.99
+    /// times; these are better traced in packets.)
     #[inline(always)]
     pub(super) fn enter<S: Simd>(
         &self,
@@ -114,7 +116,8 @@ impl BoxRay {
         if met & met.wrapping_sub(1) == 0 {
             return (met != 0).then(|| node.child[met.trailing_zeros() as usize]);
         }
-        Some(push_others(stack, &entries.0, met, node))
+        push_met(simd, stack, &entries.0, met, node);
+        stack.pop().map(|(_, child)| child)
     }
 
     /// Stores where the ray enters each of a node's boxes; returns which boxes it meets.
@@ -205,37 +208,6 @@ impl<S: Simd> Slabs<S> {
     }
 }
 
-/// Returns the nearest child of those that are met, of which there is at least one, and pushes the
-/// others onto the stack, the nearer ones later: quick where one ray is much like the one before.
-#[inline(always)]
-fn push_others(stack: &mut Stack, entries: &[f32; LANES], mut met: u32, node: &Node) -> ChildCode {
-    let bottom = stack.len();
-    let next = |met: &mut u32| {
-        let k = met.trailing_zeros() as usize;
-        *met &= *met - 1;
-        (entries[k], node.child[k])
-    };
-    let mut nearest = next(&mut met);
-    while met != 0 {
-        let item = next(&mut met);
-        if item.0 <= nearest.0 {
-            stack.push(nearest);
-            nearest = item;
-            continue;
-        }
-        stack.push(item);
-        let others = &mut stack[bottom..];
-        for place in (1..others.len()).rev() {
-            let before = others[place - 1];
-            if before.0 >= item.0 {
-                break;
-            }
-            (others[place - 1], others[place]) = (item, before);
-        }
-    }
-    nearest.1
-}
-
 /// Where a ray enters sixteen boxes.
 #[repr(align(64))]
 struct BoxEntries([f32; LANES]);
@@ -244,10 +216,9 @@ impl BoxEntries {
     const NONE: Self = Self([0.0; LANES]);
 }
 
-/// Pushes all children that are met onto the stack, the nearest last: quick where a ray has nothing
-/// in common with the one before.
+/// Pushes all children that are met onto the stack, the nearest last.
 #[inline(always)]
-pub(super) fn push_unforeseen<S: Simd>(
+pub(super) fn push_met<S: Simd>(
     simd: S,
     stack: &mut Stack,
     entries: &[f32; LANES],
@@ -280,7 +251,7 @@ pub(super) fn push_in_order<S: Simd, T: Copy + Default>(
     for k in set_bits(met) {
         let entry = f32x16::splat(simd, entries[k]);
         let farther = near.simd_gt(entry).to_bitmask() as u32;
-        // Of boxes entered at the same place the last comes first, as in `push_others`.
+        // Of boxes entered at the same place the last comes first.
         let as_far = near.simd_ge(entry).to_bitmask() as u32 & ((1 << k) - 1);
         let before = met & (farther | as_far);
         places[before.count_ones() as usize] = made(k);
@@ -347,7 +318,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn children_are_put_down_in_the_same_order_either_way(
+        fn children_are_put_down_in_order(
             entries in prop::array::uniform16(prop_oneof![-2.0..2.0f32, Just(-1.0f32), Just(0.5f32)]),
             met in 0u32..1 << LANES,
         ) {
@@ -356,18 +327,17 @@ mod tests {
                 node.child[k] = ChildCode::new(Child::Block(k as u32));
             }
             let before = (7.0, ChildCode::new(Child::Node(3)));
-            let [mut one_way, mut other_way] = [vec![before], vec![before]];
-            if met != 0 {
-                let nearest = push_others(&mut one_way, &entries, met, &node);
-                one_way.push((entries[nearest.index() as usize], nearest));
-            }
+            let mut stack = vec![before];
             dispatch!(Kernel::best_level(), simd => {
-                push_unforeseen(simd, &mut other_way, &entries, met, &node);
+                push_met(simd, &mut stack, &entries, met, &node);
             });
+            let mut sorted: Vec<_> = set_bits(met).map(|k| (entries[k], node.child[k])).collect();
+            sorted.sort_by(|a, b| b.0.total_cmp(&a.0)); // stable
+            sorted.insert(0, before);
             let told = |stack: &Stack| -> Vec<_> {
                 stack.iter().map(|&(entry, code)| (entry, code.child())).collect()
             };
-            prop_assert_eq!(told(&one_way), told(&other_way));
+            prop_assert_eq!(told(&stack), told(&sorted));
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::bicubic::{Fit, NO_WEIGHT, WeightFit, in_both_directions};
+use super::bicubic::{Fit, NO_WEIGHT, WeightFit, in_both_directions, is_biquadratic};
 use super::fit_error::{BLOSSOM, REACHES};
 use super::term;
 use crate::patch::FitError;
@@ -37,7 +37,9 @@ pub(super) fn stretch(fit: &Fit, weight: &WeightFit, error: &FitError) -> f64 {
         DVec2::new(term.dot(axes[0]), term.dot(axes[1]))
     });
     let turning = if *weight != NO_WEIGHT {
-        of_quotient(&terms, weight, lengths, error)
+        // Without terms of third degree, there are a third as many products.
+        let powers = if is_biquadratic(fit, weight) { 3 } else { 4 };
+        of_quotient((&terms, weight, powers), lengths, error)
     } else if tangents_are_short(fit, lengths) {
         Some(of_polynomial(&terms, lengths, error.slope))
     } else {
@@ -119,10 +121,9 @@ fn of_polynomial(terms: &[DVec2; 16], lengths: [f64; 2], error: f64) -> Turning 
 ///
 /// The approximation's error adds the slopes' error of `X` and `W` for the surface's own point, and
 /// the points' error times the slope of `W`, over `W`. (That of `W` itself is left to `ROUNDING`.)
-/// `None` where weights may be zero.
+/// All terms have fewer than `powers` powers of `x`, and of `y`. `None` where weights may be zero.
 fn of_quotient(
-    terms: &[DVec2; 16],
-    weight: &WeightFit,
+    (terms, weight, powers): (&[DVec2; 16], &WeightFit, usize),
     lengths: [f64; 2],
     error: &FitError,
 ) -> Option<Turning> {
@@ -136,10 +137,6 @@ fn of_quotient(
         return None;
     }
 
-    // Without terms of third degree, there are a third as many products.
-    let is_cubic = |m: usize| m / 4 == 3 || m % 4 == 3;
-    let is_used = |m: usize| terms[m] != DVec2::ZERO || weight[m] != 0.0;
-    let powers = if (0..16).any(|m| is_cubic(m) && is_used(m)) { 4 } else { 3 };
     // Coefficients of `xⁱ yʲ` of `W²`, of `X_x W − X W_x`, and of `X_y W − X W_y`.
     let mut squared = [[0.0; 7]; 7];
     let (mut by_x, mut by_y) = ([[DVec2::ZERO; 7]; 7], [[DVec2::ZERO; 7]; 7]);

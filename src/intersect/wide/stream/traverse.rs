@@ -12,7 +12,7 @@ use super::flight::Flight;
 use super::pairs::{Pair, PairLanes};
 use crate::intersect::query::StartIn;
 use crate::intersect::tree::nodes::{Child, ChildCode, LANES, Way};
-use crate::intersect::wide::box_ray::{BOX_SPARE, Crossings, first_entered, push_unforeseen};
+use crate::intersect::wide::box_ray::{BOX_SPARE, Crossings, first_entered, push_met};
 use crate::intersect::wide::frames::{Frames, Narrow};
 use crate::intersect::wide::nearest::is_cut_off;
 use crate::intersect::wide::single::ray::{Guess, SingleHit, SingleRay};
@@ -199,7 +199,7 @@ fn enter_nodes<S: Simd>(simd: S, view: &BvhView<'_>, stream: &mut Stream, seen: 
         }
         for (&(k, index), entered) in visits.iter().zip(&seen.entered) {
             let (node, flight) = (&view.tree.nodes[index as usize], &mut flights[k as usize]);
-            push_unforeseen(simd, &mut flight.stack, &entered.entry, entered.met, node);
+            push_met(simd, &mut flight.stack, &entered.entry, entered.met, node);
             flight.go_on(k, walking);
         }
     }
