@@ -254,8 +254,8 @@ fn pour(mut file: File, path: &Path) -> io::Result<()> {
     stream.flush()
 }
 
-/// Bytes that are written at a time: a small part of what tables and pictures take.
-const BUFFER: usize = 1 << 18;
+/// Bytes that are read or written at a time: a small part of what tables and pictures take.
+pub(super) const BUFFER: usize = 1 << 18;
 
 fn fill(
     file: &mut File,

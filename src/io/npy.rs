@@ -7,14 +7,12 @@ use std::path::Path;
 use glam::DVec3;
 use npyz::{Deserialize, NpyFile, NpyHeader, Order, WriterBuilder};
 
+use super::atomic::BUFFER;
 use super::nearby::nearest_file;
 use super::npy_error::NpyError;
 use super::npy_header::read_header;
 use super::{WriteError, write_atomically};
 use crate::math::Ray;
-
-/// Bytes that are read at a time.
-const BUFFER: usize = 1 << 18;
 
 /// A table of numbers, row after row.
 #[derive(Clone, Debug, PartialEq)]

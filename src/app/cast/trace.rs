@@ -33,20 +33,15 @@ pub(super) struct Traced<const N: usize> {
     pub(super) doubtful: u64,
 }
 
-/// The rows of a chunk of rays, and counts.
-struct Part<const N: usize> {
-    rows: Vec<[f64; N]>,
-    hits: u64,
-    doubtful: u64,
-}
-
 impl<const N: usize> Traced<N> {
-    fn of(parts: Vec<Part<N>>) -> Self {
-        Self {
-            hits: parts.iter().map(|part| part.hits).sum(),
-            doubtful: parts.iter().map(|part| part.doubtful).sum(),
-            rows: parts.into_iter().map(|part| part.rows).collect(),
+    fn joined(parts: Vec<Self>) -> Self {
+        let mut whole = Self { rows: Vec::new(), hits: 0, doubtful: 0 };
+        for part in parts {
+            whole.rows.extend(part.rows);
+            whole.hits += part.hits;
+            whole.doubtful += part.doubtful;
         }
+        whole
     }
 }
 
@@ -62,13 +57,13 @@ pub(super) fn first_hits(
         tracer.first_hits(rays, tracing.coherence, &mut answers);
         progress.add_rays(rays.len() as u64);
 
-        Part {
-            rows: answers.iter().map(first_row).collect(),
+        Traced {
+            rows: vec![answers.iter().map(first_row).collect()],
             hits: answers.iter().filter(|answer| answer.hit.is_some()).count() as u64,
             doubtful: answers.iter().filter(|answer| answer.doubtful).count() as u64,
         }
     });
-    Traced::of(parts.collect())
+    Traced::joined(parts.collect())
 }
 
 /// Every hit of each ray, by increasing `t`.
@@ -80,15 +75,17 @@ pub(super) fn all_hits(
     let parts = rays.par_chunks(CHUNK).with_max_len(1).enumerate().map(|(chunk, rays)| {
         let mut tracer = tracing.bvh.tracer_with(tracing.kernel);
         let mut hits = Vec::new();
-        let mut part = Part { rows: Vec::new(), hits: 0, doubtful: 0 };
+        let mut rows = Vec::new();
+        let mut part = Traced { rows: Vec::new(), hits: 0, doubtful: 0 };
         for (offset, ray) in rays.iter().enumerate() {
             let doubtful = tracer.all_hits(ray, &mut hits);
-            part.rows.extend(all_rows(chunk * CHUNK + offset, &hits, doubtful));
+            rows.extend(all_rows(chunk * CHUNK + offset, &hits, doubtful));
             part.hits += hits.len() as u64;
             part.doubtful += u64::from(doubtful);
         }
+        part.rows.push(rows);
         progress.add_rays(rays.len() as u64);
         part
     });
-    Traced::of(parts.collect())
+    Traced::joined(parts.collect())
 }
