@@ -17,6 +17,8 @@ pub struct RayFrame {
     pub origin: DVec3,
     /// The unit direction.
     pub axis: DVec3,
+    /// One over each component of the unit direction; infinite where that is zero.
+    pub inverse_axis: DVec3,
     /// The unit normals of the two planes.
     pub normals: [DVec3; 2],
     /// `1 / |d|`: converts a distance to the ray parameter.
@@ -31,12 +33,13 @@ impl RayFrame {
     /// The frame of a ray, whatever the length of its direction.
     #[inline(always)] // else numbers stored one by one are read as vectors, which stalls
     pub fn new(ray: &Ray) -> Self {
-        let (axis, length) = unit_and_length(ray.direction());
+        let Unit { axis, inverse_axis, length } = Unit::of(ray.direction());
         let normals = perpendicular(axis);
         let z_range = [ray.t_min() * length, ray.t_max() * length];
         let origin = ray.origin();
         let magnitude = origin.abs().max_element();
-        Self { origin, axis, normals, t_from_z: 1.0 / length, z_range, magnitude }
+        let t_from_z = 1.0 / length;
+        Self { origin, axis, inverse_axis, normals, t_from_z, z_range, magnitude }
     }
 
     /// The point's distances from the two planes and along the ray.
@@ -63,25 +66,35 @@ impl RayFrame {
 /// Squares of lengths in this range are far from where digits are lost.
 pub(crate) const PLAIN_SQUARES: Range<f64> = 1e-100..1e100;
 
-/// The unit vector along `v` and the length of `v`.
-#[inline(always)]
-fn unit_and_length(v: DVec3) -> (DVec3, f64) {
-    let square = v.length_squared();
-    if !PLAIN_SQUARES.contains(&square) {
-        return unit_and_length_of_extreme(v);
-    }
-    let length = square.sqrt();
-    (v * (1.0 / length), length)
+/// A vector's direction and length.
+struct Unit {
+    axis: DVec3,
+    inverse_axis: DVec3,
+    length: f64,
 }
 
-/// [`unit_and_length`], scaled first: the squares of tiny or huge components would be lost.
-#[cold]
-#[inline(never)] // else both cases would meet in memory, written as single numbers and read as vectors
-fn unit_and_length_of_extreme(v: DVec3) -> (DVec3, f64) {
-    let largest = v.abs().max_element();
-    let scaled = v / largest;
-    let length = scaled.length();
-    (scaled / length, largest * length)
+impl Unit {
+    #[inline(always)]
+    fn of(v: DVec3) -> Self {
+        let square = v.length_squared();
+        if !PLAIN_SQUARES.contains(&square) {
+            return Self::of_extreme(v);
+        }
+        let length = square.sqrt();
+        // The quotients do not wait for the length.
+        Self { axis: v * (1.0 / length), inverse_axis: v.recip() * length, length }
+    }
+
+    /// [`Self::of`], scaled first: the squares of tiny or huge components would be lost.
+    #[cold]
+    #[inline(never)] // else both cases would meet in memory, written as numbers and read as vectors
+    fn of_extreme(v: DVec3) -> Self {
+        let largest = v.abs().max_element();
+        let scaled = v / largest;
+        let length = scaled.length();
+        let axis = scaled / length;
+        Self { axis, inverse_axis: axis.recip(), length: largest * length }
+    }
 }
 
 /// Two unit vectors perpendicular to a unit vector and to each other, without a branch

@@ -12,7 +12,9 @@ use crate::intersect::query::{OneShot, StartIn};
 use crate::intersect::roots::meeting::{CertainHit, Meeting};
 use crate::intersect::roots::question::Question;
 use crate::intersect::scalar::leaf_search;
-use crate::intersect::wide::{BvhView, SingleHit, SingleRay, SingleWork, Wanted, trace_single};
+use crate::intersect::wide::{
+    BvhView, HitPlace, SingleHit, SingleRay, SingleWork, Wanted, trace_single,
+};
 use crate::intersect::{Answer, Hit, HitFlags, Occlusion, Query, Root, Shot, Tracer};
 use crate::math::{Ray, RayFrame};
 use crate::patch::{Jet, Leaf, OrientedBox, Passage, Piece, SetId};
@@ -44,10 +46,11 @@ impl Tracer<'_> {
         // At borders, which hits are one crossing depends on more than where they are.
         let SingleWork { all, undecided, .. } = &mut self.single;
         all.retain(|hit| {
-            let leaf = &view.leaves[hit.leaf as usize];
-            let near = leaf.is_at_border() && near_border(leaf, view.piece_of(hit.leaf), hit.st);
+            let leaf = &view.leaves[hit.place.leaf as usize];
+            let st = hit.place.st;
+            let near = leaf.is_at_border() && near_border(leaf, view.piece_of(hit.place.leaf), st);
             if near {
-                undecided.push(hit.leaf);
+                undecided.push(hit.place.leaf);
             }
             !near
         });
@@ -133,7 +136,7 @@ impl Tracer<'_> {
     /// undecided.
     fn with_scalar_search(&mut self, query: &Query, frame: &RayFrame) -> Answer {
         let known = self.single.hit().copied();
-        let limit = known.map_or(frame.z_range[1], |hit| hit.z);
+        let limit = known.map_or(frame.z_range[1], |hit| hit.place.z);
         self.search_undecided_of_single((query, frame), limit, Wanted::First);
         let certain =
             known.map(|hit| Certain::new(&self.bvh.view(), &query.ray, &hit).meeting(frame));
@@ -214,18 +217,19 @@ pub(super) struct Certain<'a> {
 impl<'a> Certain<'a> {
     #[inline(always)]
     pub(super) fn new(view: &BvhView<'a>, ray: &Ray, hit: &'a SingleHit) -> Self {
-        let leaf = &view.leaves[hit.leaf as usize];
-        let (index, piece) = (leaf.piece, view.piece_of(hit.leaf));
-        let mut normal = hit.cross * (1.0 / hit.size);
+        let leaf = &view.leaves[hit.place.leaf as usize];
+        let (index, piece) = (leaf.piece, view.piece_of(hit.place.leaf));
+        let st = hit.place.st;
+        let mut normal = hit.normal();
         let mut flags = HitFlags::NONE;
         // Near a pole the normal is a limit.
         if leaf.has_pole() {
-            let limit = piece.normal(hit.st, &piece.patch.jet(hit.st));
+            let limit = piece.normal(st, &piece.patch.jet(st));
             normal = reported_normal(piece, hit.point, limit).unwrap_or(DVec3::NAN);
         }
-        if leaf.is_at_border() && near_border(leaf, piece, hit.st) {
+        if leaf.is_at_border() && near_border(leaf, piece, st) {
             let magnitude = ray.origin().abs().max_element();
-            flags = border_flag(piece, hit.st, &piece.patch.jet(hit.st), magnitude);
+            flags = border_flag(piece, st, &piece.patch.jet(st), magnitude);
         }
         if !normal.is_finite() {
             flags.insert(HitFlags::NO_NORMAL);
@@ -236,7 +240,8 @@ impl<'a> Certain<'a> {
     /// The hit as an answer.
     #[inline(always)]
     pub(super) fn answer(&self, ray: &Ray, t_from_z: f64) -> Answer {
-        let SingleHit { z, z_error, st, point, .. } = *self.hit;
+        let HitPlace { z, z_error, st, .. } = self.hit.place;
+        let point = self.hit.point;
         let t = z * t_from_z;
         // A hit so far away that `t` is infinite lies beyond every range.
         let within = t < f64::INFINITY;
@@ -254,7 +259,8 @@ impl<'a> Certain<'a> {
 
     /// The hit as the scalar search would have found it.
     fn meeting(&self, frame: &RayFrame) -> Meeting {
-        let SingleHit { z, z_error, st, point, .. } = *self.hit;
+        let HitPlace { z, z_error, st, .. } = self.hit.place;
+        let point = self.hit.point;
         let hit = CertainHit {
             t: z * frame.t_from_z,
             z_error,

@@ -65,6 +65,7 @@ mod view;
 mod wanted;
 
 pub(super) use box_ray::BLUR;
+pub(super) use hit_place::HitPlace;
 pub(super) use packet::hits::LaneHit;
 pub(super) use packet::rays::Packet;
 pub(super) use packet::read_ahead::{Ahead, Moment, ReadAhead};

@@ -12,9 +12,9 @@ use crate::patch::{Leaf, TensorPatch, WIDENING};
 
 /// The line that a ray lies on: a point, and a unit vector in f32.
 #[derive(Clone, Copy)]
-pub(super) struct Line {
-    pub(super) origin: DVec3,
-    pub(super) axis: [f32; 3],
+pub(super) struct Line<'a> {
+    pub(super) origin: &'a DVec3,
+    pub(super) axis: &'a [f32; 3],
 }
 
 /// A ray's start.
@@ -43,7 +43,7 @@ impl Start<'_> {
         simd: S,
         fitted: Fitted<'_>,
         patch: &TensorPatch,
-        line: Line,
+        line: Line<'_>,
         certified: bool,
         error: f64,
     ) -> bool {
@@ -70,7 +70,7 @@ impl Start<'_> {
         simd: S,
         fitted: Fitted<'_>,
         patch: &TensorPatch,
-        line: Line,
+        line: Line<'_>,
         error: f64,
     ) -> bool {
         let leaf = fitted.leaf;
@@ -79,8 +79,8 @@ impl Start<'_> {
         if !(nearby && self.ahead) {
             return false;
         }
-        let [x, y, z] = (line.origin - leaf.middle).as_vec3().to_array();
-        let [dx, dy, dz] = line.axis;
+        let [x, y, z] = (*line.origin - leaf.middle).as_vec3().to_array();
+        let [dx, dy, dz] = *line.axis;
         let reach = root.error + error;
         let departure = Departure {
             place: [f32x16::splat(simd, place[0]), f32x16::splat(simd, place[1])],
@@ -89,7 +89,7 @@ impl Start<'_> {
             reach: f32x16::splat(simd, rounding::f32_above(reach)),
         };
         let Final { surely, if_near } = departure.is_final(simd, fitted);
-        let near = || patch.point(root.st).distance(line.origin) <= reach;
+        let near = || patch.point(root.st).distance(*line.origin) <= reach;
         surely & 1 != 0 || (if_near & 1 != 0 && near())
     }
 }

@@ -28,11 +28,7 @@ impl<S: Simd> Distances<S> {
         let [n1, n2] = ray.normals;
         let offset = leaf.middle - ray.origin;
         let (e1, e2) = (n1.dot(offset) as f32, n2.dot(offset) as f32);
-        let zero = f32x8::splat(simd, 0.0);
-        let mut rows = [zero; 4];
-        if weight.is_none() {
-            rows[0] = f32x8::from_slice(simd, &[e1, 0.0, 0.0, 0.0, e2, 0.0, 0.0, 0.0]);
-        }
+        let mut rows = [f32x8::splat(simd, 0.0); 4];
         for axis in 0..3 {
             let n1 = f32x4::splat(simd, n1[axis] as f32);
             let n2 = f32x4::splat(simd, n2[axis] as f32);
@@ -42,12 +38,15 @@ impl<S: Simd> Distances<S> {
                 rows[i] = normals.mul_add(row.combine(row), rows[i]);
             }
         }
+        // Last, since these wait for the leaf.
         if let Some(weight) = weight {
             let middle = f32x4::splat(simd, e1).combine(f32x4::splat(simd, e2));
             for i in 0..4 {
                 let row = f32x4::from_slice(simd, &weight[4 * i..4 * i + 4]);
                 rows[i] = middle.mul_add(row.combine(row), rows[i]);
             }
+        } else {
+            rows[0] += f32x8::from_slice(simd, &[e1, 0.0, 0.0, 0.0, e2, 0.0, 0.0, 0.0]);
         }
         Self { rows }
     }
@@ -75,20 +74,22 @@ impl<S: Simd> Distances<S> {
         (sum(0) + e1 * weights).max(sum(4) + e2 * weights)
     }
 
-    /// Runs Newton's iteration in box coordinates, from a start there.
+    /// Runs Newton's iteration in box coordinates, from a start there; places are the first two
+    /// lanes.
     ///
     /// Sums of powers of `x` are computed on all lanes at once; they are then transposed into four
     /// powers of `y` of `f₁`, `f₂` and their derivatives by `x`. Each operation waits for the one
     /// before, so sums are made by halves (Estrin 1960): of a cubic two operations wait for each
     /// other, not three as in Horner's scheme.
     #[simd]
-    pub(crate) fn newton(self, simd: S, start: [f32; 2]) -> [f32; 2] {
+    pub(crate) fn newton(self, simd: S, start: f32x4<S>) -> f32x4<S> {
         let rows = &self.rows;
-        let [mut x, mut y] = start;
+        let reach = f32x4::splat(simd, FIT_DOMAIN);
+        let mut place = start;
         let twice = rows[2] + rows[2];
         let thrice = rows[3] * f32x8::splat(simd, 3.0);
         for _ in 0..STEPS_IN_F32 {
-            let (xs, ys) = (f32x8::splat(simd, x), f32x4::splat(simd, y));
+            let (xs, ys) = (f32x8::splat(simd, place[0]), f32x4::splat(simd, place[1]));
             let (xx, yy) = (xs * xs, ys * ys);
             let (two_y, three_yy) = (ys + ys, f32x4::splat(simd, 3.0) * yy);
             let value = rows[3].mul_add(xs, rows[2]).mul_add(xx, rows[1].mul_add(xs, rows[0]));
@@ -99,18 +100,13 @@ impl<S: Simd> Distances<S> {
             let (f1, f2, a1, a2) = (across[0], across[1], across[2], across[3]);
             let (b1, b2) = (along_y[0], along_y[1]);
             let inverse = 1.0 / (a1 * b2 - a2 * b1);
-            x = within_reach(x - (f1 * b2 - f2 * b1) * inverse);
-            y = within_reach(y - (a1 * f2 - a2 * f1) * inverse);
+            let steps = [f1 * b2 - f2 * b1, a1 * f2 - a2 * f1, 0.0, 0.0];
+            let new = place - f32x4::from_slice(simd, &steps) * f32x4::splat(simd, inverse);
+            // NaN becomes a bound, which only makes another start.
+            place = new.max(-reach).min(reach);
         }
-        [x, y]
+        place
     }
-}
-
-/// The number, or the nearest bound of the search; the lower one for NaN.
-#[inline(always)]
-fn within_reach(x: f32) -> f32 {
-    let raised = if x > -FIT_DOMAIN { x } else { -FIT_DOMAIN };
-    if raised < FIT_DOMAIN { raised } else { FIT_DOMAIN }
 }
 
 /// Converts lanes by power of `y` to vectors by power of `y`, with lanes for the first and the

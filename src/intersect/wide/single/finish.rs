@@ -13,6 +13,7 @@ use glam::{DVec2, DVec3};
 
 use super::jet::{Bernstein, Powers, Sums};
 use super::ray::{SingleHit, SingleRay};
+use crate::intersect::wide::hit_place::HitPlace;
 use crate::intersect::wide::reach::WITH_SLACK;
 use crate::intersect::wide::search::convergence::{
     COARSEST, MOST_ROUNDED, MOST_STEPS, PART_OF_ERROR,
@@ -22,6 +23,7 @@ use crate::intersect::wide::surface::power_lines::MOST_IN_LINE;
 use crate::intersect::wide::surface::sums::OneNet;
 use crate::intersect::wide::view::Fitted;
 use crate::math::bernstein::MAX_DEGREE;
+use crate::patch::Leaf;
 
 /// What is searched for in a leaf, from where.
 #[derive(Clone, Copy)]
@@ -102,25 +104,20 @@ fn finish_of<S: Simd, F: Sums<S>>(
     found: &mut SingleHit,
 ) -> (Outcome, u64) {
     let leaf = fitted.leaf;
-    let [s_range, t_range] = leaf.rect();
-    let (half_s, half_t) = (0.5 * (s_range[1] - s_range[0]), 0.5 * (t_range[1] - t_range[0]));
-    let (mid_s, mid_t) = (0.5 * (s_range[0] + s_range[1]), 0.5 * (t_range[0] + t_range[1]));
+    let rect = Rectangle::of::<S, F>(leaf);
+    let Rectangle { half, middle, inverse_half } = rect;
+    let domain = [rect.range(0, domain[0]), rect.range(1, domain[1])];
     let columns = columns(simd, ray);
-    let origin = f64x4::from_slice(simd, &ray.frame.origin.extend(1.0).to_array());
+    let minus_origin = -f64x4::from_slice(simd, &ray.frame.origin.extend(1.0).to_array());
     let bend = f64::from(leaf.fit_bend());
 
-    let mut x = within(f64::from(near[0]), domain[0]);
-    let mut y = within(f64::from(near[1]), domain[1]);
+    let mut x = within(middle[0] + f64::from(near[0]) * half[0], domain[0]);
+    let mut y = within(middle[1] + f64::from(near[1]) * half[1], domain[1]);
     let most_steps = u64::from(MOST_STEPS);
     for step in 1..=most_steps {
-        let (s, t) = (mid_s + x * half_s, mid_t + y * half_t);
-        let sums = F::at(simd, surface, s, t);
-        // In the ray's coordinates, by box coordinate.
-        let along_x = sums[1] * f64x4::splat(simd, half_s);
-        let along_y = sums[2] * f64x4::splat(simd, half_t);
-        let at = seen(relative(sums[0], origin), &columns);
-        let a = seen(relative(along_x, origin), &columns);
-        let b = seen(relative(along_y, origin), &columns);
+        let sums = F::at(simd, surface, x, y);
+        // In the ray's coordinates.
+        let [at, a, b] = sums.map(|sum| seen(relative(sum, minus_origin), &columns));
         let determinant = a[0] * b[1] - a[1] * b[0];
         let inverse = 1.0 / determinant;
         let step_x = (at[0] * b[1] - at[1] * b[0]) * inverse;
@@ -129,32 +126,56 @@ fn finish_of<S: Simd, F: Sums<S>>(
 
         let weight = sums[0][3];
         let inside = new_x == within(new_x, domain[0]) && new_y == within(new_y, domain[1]);
-        let longest = step_x.abs().max(step_y.abs());
+        let [across_x, across_y] = [step_x * inverse_half[0], step_y * inverse_half[1]];
+        let longest = across_x.abs().max(across_y.abs());
         if inside && has_converged([at, a, b], inverse, bend * longest * longest, error, weight) {
-            if !(new_x.abs() <= WITH_SLACK && new_y.abs() <= WITH_SLACK) {
+            let within_slack = |new: f64, k: usize| (new - middle[k]).abs() <= WITH_SLACK * half[k];
+            if !(within_slack(new_x, 0) && within_slack(new_y, 1)) {
                 return (Outcome::Missed, step);
             }
-            let st = DVec2::new(s - step_x * half_s, t - step_y * half_t);
             // The weight follows the same tangent plane as what is divided by it.
-            let divisor = weight - along_x[3] * step_x - along_y[3] * step_y;
+            let divisor = weight - sums[1][3] * step_x - sums[2][3] * step_y;
             let z = (at[2] - a[2] * step_x - b[2] * step_y) / divisor;
             // At a pole tangents vanish, and those nearby say nothing about them.
             let tangents = if ray.asks_where() || leaf.has_pole() {
-                let [value, along_s, along_t] = F::at(simd, surface, st.x, st.y);
-                let along_x = along_s * f64x4::splat(simd, half_s);
-                let along_y = along_t * f64x4::splat(simd, half_t);
-                Tangents::of([value, along_x, along_y])
+                Tangents::of(F::at(simd, surface, new_x, new_y), 1.0 / weight)
             } else {
-                Tangents::after(fitted, [sums[0], along_x, along_y], [step_x, step_y])
+                Tangents::after(fitted, sums, [step_x, step_y], inverse_half)
             };
-            let root = FoundRoot { st, half: [half_s, half_t], z, tangents };
-            return (judge(&root, ray, error, clearance, found), step);
+            let root = FoundRoot { xy: [new_x, new_y], half, z, tangents };
+            return (judge::<S, F>(simd, &root, ray, error, clearance, found), step);
         }
         // Steps stay within the domain; NaN becomes a bound.
         x = within(new_x, domain[0]);
         y = within(new_y, domain[1]);
     }
     (Outcome::NotFound, most_steps)
+}
+
+/// A leaf's rectangle in the parameters of the sums.
+#[derive(Clone, Copy)]
+struct Rectangle {
+    /// Half its sides, and one over that.
+    half: [f64; 2],
+    inverse_half: [f64; 2],
+    middle: [f64; 2],
+}
+
+impl Rectangle {
+    #[inline(always)]
+    fn of<S: Simd, F: Sums<S>>(leaf: &Leaf) -> Self {
+        let [[s0, s1], [t0, t1]] = leaf.rect();
+        let half = [0.5 * F::SIDE * (s1 - s0), 0.5 * F::SIDE * (t1 - t0)];
+        let middle = |sum: f64| F::START + 0.5 * F::SIDE * sum;
+        let middle = [middle(s0 + s1), middle(t0 + t1)];
+        Self { half, inverse_half: [1.0 / half[0], 1.0 / half[1]], middle }
+    }
+
+    /// The range of the `k`-th parameter that a range of box coordinates is.
+    #[inline(always)]
+    fn range(&self, k: usize, [low, high]: [f64; 2]) -> [f64; 2] {
+        [self.middle[k] + low * self.half[k], self.middle[k] + high * self.half[k]]
+    }
 }
 
 /// Whether a point `W (S − o)` is within the error, or will be after a step; `at`, `a` and `b` are
@@ -175,7 +196,7 @@ fn has_converged(
     residual <= most || bent <= PART_OF_ERROR * error && rounded <= MOST_ROUNDED * most
 }
 
-/// The surface at a place, by box coordinates.
+/// The surface at a place, by the parameters of the sums.
 struct Tangents {
     point: DVec3,
     along_x: DVec3,
@@ -184,14 +205,19 @@ struct Tangents {
 }
 
 impl Tangents {
-    /// From `X, W` and their derivatives there.
+    /// From `X, W` and their derivatives there, and one over the weight at a place close by.
+    ///
+    /// The tangents are `(W X_x − X W_x) / W²`. To divide by the weight at the place itself they
+    /// would have to wait for it; the other one, a last small step away, differs as little.
     #[inline(always)]
-    fn of<S: Simd>(sums: [f64x4<S>; 3]) -> Self {
+    fn of<S: Simd>(sums: [f64x4<S>; 3], inverse_nearby: f64) -> Self {
         let simd = sums[0].simd;
-        let inverse = f64x4::splat(simd, 1.0 / sums[0][3]);
-        let point = sums[0] * inverse;
-        let along_x = (sums[1] - point * f64x4::splat(simd, sums[1][3])) * inverse;
-        let along_y = (sums[2] - point * f64x4::splat(simd, sums[2][3])) * inverse;
+        let all = |number: f64| f64x4::splat(simd, number);
+        // Not by its square, which may be too large or too small for a number.
+        let [weight, weight_x, weight_y] = sums.map(|sum| all(sum[3] * inverse_nearby));
+        let point = sums[0] * all(1.0 / sums[0][3]);
+        let along_x = (weight * sums[1] - weight_x * sums[0]) * all(inverse_nearby);
+        let along_y = (weight * sums[2] - weight_y * sums[0]) * all(inverse_nearby);
         let vector = |v: f64x4<S>| DVec3::new(v[0], v[1], v[2]);
         let [along_x, along_y] = [vector(along_x), vector(along_y)];
         let cross = along_x.cross(along_y);
@@ -199,20 +225,23 @@ impl Tangents {
     }
 
     /// From the sums before a last small step: the point follows the tangent plane, and the
-    /// tangents follow the second derivatives in the middle of the leaf's approximation.
+    /// tangents follow the second derivatives, by box coordinates, in the middle of the leaf's
+    /// approximation.
     #[inline(always)]
     fn after<S: Simd>(
         Fitted { leaf, weight }: Fitted<'_>,
         sums: [f64x4<S>; 3],
         [step_x, step_y]: [f64; 2],
+        inverse_half: [f64; 2],
     ) -> Self {
         let simd = sums[0].simd;
         let (move_x, move_y) = (f64x4::splat(simd, step_x), f64x4::splat(simd, step_y));
         let moved = sums[0] - sums[1] * move_x - sums[2] * move_y;
-        let mut tangents = Self::of([moved, sums[1], sums[2]]);
+        let mut tangents = Self::of([moved, sums[1], sums[2]], 1.0 / sums[0][3]);
         let [xx, xy, yy] = leaf.second_derivatives(weight);
-        tangents.along_x -= xx * step_x + xy * step_y;
-        tangents.along_y -= xy * step_x + yy * step_y;
+        let [across_x, across_y] = [step_x * inverse_half[0], step_y * inverse_half[1]];
+        tangents.along_x -= (xx * across_x + xy * across_y) * inverse_half[0];
+        tangents.along_y -= (xy * across_x + yy * across_y) * inverse_half[1];
         tangents.cross = tangents.along_x.cross(tangents.along_y);
         tangents
     }
@@ -226,8 +255,9 @@ fn sum_of_sizes(v: DVec3) -> f64 {
 
 /// Where Newton's iteration has converged.
 struct FoundRoot {
-    st: DVec2,
-    /// Half the leaf's sides.
+    /// The parameters of the sums.
+    xy: [f64; 2],
+    /// Half the leaf's sides, in these parameters.
     half: [f64; 2],
     /// The distance along the ray.
     z: f64,
@@ -245,33 +275,39 @@ struct FoundRoot {
 /// - whether parameters are fine enough is asked of all roots; of its own, a certificate has shown
 ///   it.
 #[inline(always)]
-fn judge(
+fn judge<S: Simd, F: Sums<S>>(
+    simd: S,
     root: &FoundRoot,
     ray: &SingleRay<'_>,
     error: f64,
     clearance: f64,
     found: &mut SingleHit,
 ) -> Outcome {
-    let &FoundRoot { st, half, z, ref tangents } = root;
+    let &FoundRoot { xy, half, z, ref tangents } = root;
     let Tangents { point, along_x, along_y, cross } = tangents;
     let size = cross.length();
-    let secant = size / cross.dot(ray.frame.axis).abs();
+    // The quotient does not wait for the root.
+    let secant = size * (1.0 / cross.dot(ray.frame.axis).abs());
     let z_error = error * secant;
     let reach = ray.start_reach(z_error);
     let [z_min, z_max] = ray.frame.z_range;
+    let st = DVec2::from_array(xy.map(|x| (x - F::START) / F::SIDE));
     let on_piece = (0.0..=1.0).contains(&st.x) && (0.0..=1.0).contains(&st.y);
-    if !on_piece && (beyond(st.x) / half[0]).max(beyond(st.y) / half[1]) > clearance {
-        return Outcome::Missed;
+    if !on_piece {
+        let [x, y] = [F::SIDE * beyond(st.x) / half[0], F::SIDE * beyond(st.y) / half[1]];
+        if x.max(y) > clearance {
+            return Outcome::Missed;
+        }
     }
     let clear_of_start = ray.start.from.is_none() || z.abs() > reach;
     let clear = (z - z_min).abs() > reach && (z - z_max).abs() > reach && clear_of_start;
     // Rounding of a parameter must be small compared with the error: with a certificate, it is.
-    let speed = sum_of_sizes(*along_x) * half[1] + sum_of_sizes(*along_y) * half[0];
-    let fine = COARSEST * speed <= error * half[0] * half[1];
+    let speed = F::SIDE * (sum_of_sizes(*along_x) + sum_of_sizes(*along_y));
+    let fine = COARSEST * speed <= error;
     if !(on_piece && fine) {
         return Outcome::Undecided;
     }
-    (found.z, found.z_error, found.st) = (z, z_error, st);
+    found.place = HitPlace { st, z, z_error, ..found.place };
     if !clear {
         // Without a normal, nothing says how far the root may be off. False for NaN.
         let has_normal = size > 0.0 && reach < f64::INFINITY;
@@ -280,7 +316,8 @@ fn judge(
     if !(z > z_min && z < z_max) {
         return Outcome::Missed;
     }
-    (found.point, found.cross, found.size) = (*point, *cross, size);
+    found.point = *point;
+    found.set_normal(simd, *cross, size);
     Outcome::Hit
 }
 
@@ -296,10 +333,10 @@ fn columns<S: Simd>(simd: S, ray: &SingleRay<'_>) -> [f64x4<S>; 3] {
     ]
 }
 
-/// A homogeneous vector relative to the origin.
+/// A homogeneous vector relative to the origin, of which the opposite is given.
 #[inline(always)]
-fn relative<S: Simd>(v: f64x4<S>, origin: f64x4<S>) -> f64x4<S> {
-    v - origin * f64x4::splat(v.simd, v[3])
+fn relative<S: Simd>(v: f64x4<S>, minus_origin: f64x4<S>) -> f64x4<S> {
+    f64x4::splat(v.simd, v[3]).mul_add(minus_origin, v)
 }
 
 /// A vector in the ray's coordinates.

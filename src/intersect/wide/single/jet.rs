@@ -6,10 +6,14 @@ use crate::intersect::wide::surface::sums::OneNet;
 use crate::math::bernstein::binomials;
 use crate::patch::TensorPatch;
 
-/// How the sums of a patch are computed at one place.
+/// How the sums of a patch are computed at one place, in parameters `x`, `y` of their own.
 pub(super) trait Sums<S: Simd> {
-    /// Returns `X, W` and their derivatives by `s` and by `t`, with lanes for the coordinates.
-    fn at(simd: S, surface: &OneNet<'_>, s: f64, t: f64) -> [f64x4<S>; 3];
+    /// Where the unit square of `s` and `t` begins in these parameters, and how long its sides are.
+    const START: f64;
+    const SIDE: f64;
+
+    /// Returns `X, W` and their derivatives by `x` and by `y`, with lanes for the coordinates.
+    fn at(simd: S, surface: &OneNet<'_>, x: f64, y: f64) -> [f64x4<S>; 3];
 }
 
 /// By powers (Horner), for degrees `P` and `Q`, zero standing for any below `N`, and `C` numbers a
@@ -19,10 +23,14 @@ pub(super) struct Powers<const P: usize, const Q: usize, const C: usize, const N
 impl<S: Simd, const P: usize, const Q: usize, const C: usize, const N: usize> Sums<S>
     for Powers<P, Q, C, N>
 {
+    // Powers are those of twice the distance from the middle.
+    const START: f64 = -1.0;
+    const SIDE: f64 = 2.0;
+
     #[inline(always)]
-    fn at(simd: S, OneNet { patch, net }: &OneNet<'_>, s: f64, t: f64) -> [f64x4<S>; 3] {
+    fn at(simd: S, OneNet { patch, net }: &OneNet<'_>, x: f64, y: f64) -> [f64x4<S>; 3] {
         let [p, q] = if P == 0 { patch.sums_degree() } else { [P, Q] };
-        let (x, y) = (f64x4::splat(simd, s + s - 1.0), f64x4::splat(simd, t + t - 1.0));
+        let (x, y) = (f64x4::splat(simd, x), f64x4::splat(simd, y));
         let zero = f64x4::splat(simd, 0.0);
         // Rows do not wait for each other.
         let (mut sums, mut slopes) = ([zero; N], [zero; N]);
@@ -42,8 +50,7 @@ impl<S: Simd, const P: usize, const Q: usize, const C: usize, const N: usize> Su
             value = value.mul_add(x, sums[i]);
             along_y = along_y.mul_add(x, slopes[i]);
         }
-        // In `x` and `y` the unit square has sides of two.
-        weighted::<S, C>(patch, [value, along_x + along_x, along_y + along_y])
+        weighted::<S, C>(patch, [value, along_x, along_y])
     }
 }
 
@@ -51,6 +58,9 @@ impl<S: Simd, const P: usize, const Q: usize, const C: usize, const N: usize> Su
 pub(super) struct Bernstein<const N: usize, const C: usize>;
 
 impl<S: Simd, const N: usize, const C: usize> Sums<S> for Bernstein<N, C> {
+    const START: f64 = 0.0;
+    const SIDE: f64 = 1.0;
+
     #[inline(always)]
     fn at(simd: S, OneNet { patch, net }: &OneNet<'_>, s: f64, t: f64) -> [f64x4<S>; 3] {
         let [p, q] = patch.sums_degree();

@@ -1,6 +1,7 @@
 //! A ray prepared for all that is done with a single ray.
 
-use glam::{DVec2, DVec3};
+use fearless_simd::{Simd, SimdBase, f64x4};
+use glam::DVec3;
 
 use crate::intersect::Root;
 use crate::intersect::wide::box_ray::BoxRay;
@@ -39,22 +40,13 @@ impl Guess {
 }
 
 /// A hit that is certain.
-///
-/// The fields are in this order, with the leaf between the two vectors: else both would be written
-/// as one long and one short vector, and read across the two, which has to wait for them.
 #[derive(Clone, Copy, Debug, Default)]
-#[repr(C)]
 pub(crate) struct SingleHit {
-    pub st: DVec2,
-    pub z: f64,
-    /// Error bound of `z`.
-    pub z_error: f64,
+    pub place: HitPlace,
     pub point: DVec3,
-    pub leaf: u32,
-    /// Along `S_s × S_t`.
-    pub cross: DVec3,
-    /// The length of `cross`.
-    pub size: f64,
+    /// The unit normal along `S_s × S_t`; the last number means nothing. All four are written at
+    /// once: numbers written one by one and read as a vector have to reach the cache first.
+    normal: [f64; 4],
 }
 
 /// One ray, in f64 and in scaled f32 coordinates.
@@ -73,8 +65,15 @@ pub(crate) struct SingleRay<'a> {
 
 impl SingleHit {
     #[inline(always)]
-    pub(crate) fn place(&self) -> HitPlace {
-        HitPlace { leaf: self.leaf, z: self.z, z_error: self.z_error, st: self.st }
+    pub(crate) fn normal(&self) -> DVec3 {
+        DVec3::new(self.normal[0], self.normal[1], self.normal[2])
+    }
+
+    /// Sets the normal from a vector along it, and the length of that.
+    #[inline(always)]
+    pub(crate) fn set_normal<S: Simd>(&mut self, simd: S, along: DVec3, length: f64) {
+        let numbers = f64x4::from_slice(simd, &[along.x, along.y, along.z, length]);
+        (numbers * f64x4::splat(simd, 1.0 / length)).store_slice(&mut self.normal);
     }
 }
 
@@ -94,7 +93,7 @@ impl<'a> SingleRay<'a> {
     /// Converts the ray, up to its nearest hit if there is one, to other scaled coordinates.
     #[cold]
     pub(super) fn change_to(&mut self, scaled: &ScaledFrame, hit: Option<&SingleHit>) {
-        let end = hit.map_or(self.frame.z_range[1], |hit| hit.z);
+        let end = hit.map_or(self.frame.z_range[1], |hit| hit.place.z);
         (self.boxes, self.shift) = boxes_in(scaled, self.frame, end);
         self.scale = scaled.scale;
     }
@@ -142,5 +141,7 @@ pub(crate) fn boxes_in(scaled: &ScaledFrame, frame: &RayFrame, end: f64) -> (Box
     let axis = frame.axis.as_vec3();
     let near = (frame.z_range[0] * scale - shift - f64::from(END_SPARE)) as f32;
     let far = (end * scale - shift + f64::from(END_SPARE)) as f32;
-    (BoxRay::new(origin.to_array(), axis.to_array(), [near, far]), shift / scale)
+    let inverse = frame.inverse_axis.as_vec3();
+    let boxes = BoxRay::new(origin.to_array(), axis.to_array(), inverse.to_array(), [near, far]);
+    (boxes, shift / scale)
 }

@@ -18,7 +18,7 @@
 //! - Everything else is listed in [`SingleWork::undecided`] for the scalar search, which handles
 //!   borders, poles, tangency and the ends of rays.
 
-use fearless_simd::Simd;
+use fearless_simd::{Simd, SimdBase, f32x4};
 use fearless_simd_macros::simd;
 
 use super::finish::{Outcome, Search, finish};
@@ -158,9 +158,9 @@ fn search_leaf<S: Simd>(
         return work.undecided.push(index);
     }
     let fitted = view.fitted(index, patch);
-    let line = Line { origin: ray.frame.origin, axis: ray.boxes.axis };
+    let line = Line { origin: &ray.frame.origin, axis: &ray.boxes.axis };
     if !ray.start.is_done_with(simd, fitted, patch, line, guess.is_some(), error) {
-        search_ahead(simd, view, index, guess, error, ray, work);
+        search_ahead(simd, view, (index, fitted), guess, error, ray, work);
     }
 }
 
@@ -171,13 +171,13 @@ fn search_leaf<S: Simd>(
 pub(crate) fn search_ahead<S: Simd>(
     simd: S,
     view: &BvhView<'_>,
-    index: u32,
+    (index, fitted): (u32, Fitted<'_>),
     guess: Option<Guess>,
     error: f64,
     ray: &mut SingleRay<'_>,
     work: &mut SingleWork,
 ) {
-    let leaf = &view.leaves[index as usize];
+    let leaf = fitted.leaf;
     let piece = view.piece_of(index);
     if guess.is_none() && passes_near_pole(leaf, piece, ray.frame) {
         return work.undecided.push(index);
@@ -185,8 +185,8 @@ pub(crate) fn search_ahead<S: Simd>(
     let patch = &piece.patch;
     // Most rays will need the net; made now, it is ready when the search in f32 is.
     let mut nets = std::mem::take(&mut work.nets);
-    let net = nets.net_of(simd, leaf.piece, patch);
-    let leaf = NetLeaf { index, fitted: view.fitted(index, patch), surface: OneNet { patch, net } };
+    let surface = OneNet { patch, net: nets.net_of(simd, leaf.piece, patch) };
+    let leaf = NetLeaf { index, fitted, surface: &surface };
     search_net(simd, view, &leaf, guess, error, ray, work);
     work.nets = nets;
 }
@@ -207,7 +207,7 @@ fn passes_near_pole(leaf: &Leaf, piece: &Piece, ray: &RayFrame) -> bool {
 struct NetLeaf<'a> {
     index: u32,
     fitted: Fitted<'a>,
-    surface: OneNet<'a>,
+    surface: &'a OneNet<'a>,
 }
 
 /// [`search_ahead`] with the net for sums.
@@ -221,13 +221,15 @@ fn search_net<S: Simd>(
     ray: &mut SingleRay<'_>,
     work: &mut SingleWork,
 ) {
-    let &NetLeaf { index, fitted, ref surface } = leaf;
+    let &NetLeaf { index, fitted, surface } = leaf;
     if let Some(Guess { start, clearance }) = guess {
+        let start = place_in_lanes(simd, start);
         let near = if fitted.leaf.is_flat() {
             start
         } else {
             Distances::new(simd, fitted, ray.frame).newton(simd, start)
         };
+        let near = [near[0], near[1]];
         // As a rule, a start outside leads to a root outside, which the proof shows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
             let wanted = Search { near, domain: [[-WIDENED, WIDENED]; 2], error, clearance };
@@ -251,7 +253,7 @@ fn search_net<S: Simd>(
 fn search_by_proof<S: Simd>(
     simd: S,
     view: &BvhView<'_>,
-    &NetLeaf { index, fitted, ref surface }: &NetLeaf<'_>,
+    &NetLeaf { index, fitted, surface }: &NetLeaf<'_>,
     error: f64,
     ray: &mut SingleRay<'_>,
     work: &mut SingleWork,
@@ -263,7 +265,8 @@ fn search_by_proof<S: Simd>(
         return;
     };
     for part in parts.iter() {
-        let near = distances.newton(simd, part.middle);
+        let near = distances.newton(simd, place_in_lanes(simd, part.middle));
+        let near = [near[0], near[1]];
         let domain = part.domain().map(|range| range.map(f64::from));
         let wanted = Search { near, domain, error, clearance: f64::INFINITY };
         let (outcome, steps) = finish(simd, fitted, surface, ray, &wanted, work.other());
@@ -278,6 +281,11 @@ fn search_by_proof<S: Simd>(
             }
         }
     }
+}
+
+#[inline(always)]
+fn place_in_lanes<S: Simd>(simd: S, [x, y]: [f32; 2]) -> f32x4<S> {
+    f32x4::from_slice(simd, &[x, y, 0.0, 0.0])
 }
 
 impl SingleWork {
@@ -304,23 +312,19 @@ impl SingleWork {
     /// Whether trims cut off the root of a leaf that was put into [`Self::other`].
     #[inline(always)]
     fn has_cut_off(&mut self, leaf: u32, view: &BvhView<'_>) -> bool {
-        self.other().leaf = leaf;
-        is_cut_off(&self.other().place(), view)
+        self.other().place.leaf = leaf;
+        is_cut_off(&self.other().place, view)
     }
 
     /// Takes the hit of a leaf that was put into [`Self::other`].
     #[inline(always)]
     fn take(&mut self, leaf: u32, ray: &mut SingleRay<'_>, view: &BvhView<'_>) {
-        self.other().leaf = leaf;
-        let found = self.other().place();
-        let known = self.hit().map(SingleHit::place);
-        match keep(&found, view, known.as_ref()) {
-            Kept::Nearer if ray.asks_for_all() => {
-                let hit = *self.other();
-                self.all.push(hit);
-            }
+        self.other().place.leaf = leaf;
+        let found = &self.hits[1 - self.best];
+        match keep(&found.place, view, self.hit().map(|hit| &hit.place)) {
+            Kept::Nearer if ray.asks_for_all() => self.all.push(*found),
             Kept::Nearer => {
-                ray.shorten(found.z);
+                ray.shorten(found.place.z);
                 self.met = true;
                 self.best = 1 - self.best;
             }

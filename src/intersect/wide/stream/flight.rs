@@ -45,7 +45,7 @@ impl Flight {
     #[cold]
     pub(super) fn change_to(&mut self, scaled: &ScaledFrame, ray: &Ray) {
         let frame = RayFrame::new(ray);
-        let end = if self.met { self.hit.z } else { frame.z_range[1] };
+        let end = if self.met { self.hit.place.z } else { frame.z_range[1] };
         (self.boxes, self.shift) = boxes_in(scaled, &frame, end);
         self.scale = scaled.scale;
     }
@@ -59,8 +59,7 @@ impl Flight {
     /// Whether a hit is the nearest so far; if so, ends the ray there or, if any will do, at once.
     #[inline(always)]
     pub(super) fn takes(&mut self, view: &BvhView<'_>, hit: &HitPlace, wanted: Wanted) -> bool {
-        let known = self.hit.place();
-        match keep(hit, view, self.met.then_some(&known)) {
+        match keep(hit, view, self.met.then_some(&self.hit.place)) {
             Kept::Nearer => {
                 self.boxes.far = wanted.far(hit.z, self.shift, self.scale);
                 self.met = true;

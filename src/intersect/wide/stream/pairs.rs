@@ -5,7 +5,7 @@
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8, mask64x8};
 use fearless_simd_macros::simd;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use crate::intersect::Shot;
 use crate::intersect::query::StartIn;
@@ -225,19 +225,16 @@ impl PairLanes {
         HitPlace { leaf, z: self.z[lane], z_error: self.z_error[lane], st }
     }
 
-    /// Puts a lane's root into a hit, number by number: a copy of something that was just written
-    /// number by number has to wait.
+    /// Puts a lane's root into a hit.
     #[inline(always)]
-    pub(super) fn put(&self, lane: usize, leaf: u32, hit: &mut SingleHit) {
-        hit.leaf = leaf;
-        hit.z = self.z[lane];
-        hit.z_error = self.z_error[lane];
-        (hit.st.x, hit.st.y) = (self.st[0][lane], self.st[1][lane]);
+    pub(super) fn put<S: Simd>(&self, simd: S, lane: usize, leaf: u32, hit: &mut SingleHit) {
+        hit.place = self.place(lane, leaf);
         for i in 0..3 {
             hit.point[i] = self.point[i][lane];
-            hit.cross[i] = self.cross[i][lane];
         }
-        hit.size = hit.cross.length();
+        let [x, y, z] = [self.cross[0][lane], self.cross[1][lane], self.cross[2][lane]];
+        let cross = DVec3::new(x, y, z);
+        hit.set_normal(simd, cross, cross.length());
     }
 
     /// Takes in the data of a leaf except its approximation.

@@ -12,14 +12,14 @@ use super::flight::Flight;
 use super::pairs::{Pair, PairLanes};
 use crate::intersect::query::StartIn;
 use crate::intersect::tree::nodes::{Child, ChildCode, LANES, Way};
-use crate::intersect::wide::box_ray::{BOX_SPARE, Crossings, first_entered, push_met};
+use crate::intersect::wide::box_ray::{BOX_SPARE, BoxRay, Crossings, first_entered, push_met};
 use crate::intersect::wide::frames::{Frames, Narrow};
 use crate::intersect::wide::nearest::is_cut_off;
 use crate::intersect::wide::single::ray::{Guess, SingleHit, SingleRay};
 use crate::intersect::wide::single::traverse::{SingleWork, search_ahead};
 use crate::intersect::wide::start::{Line, Start};
 use crate::intersect::wide::surface::form::Form;
-use crate::intersect::wide::view::BvhView;
+use crate::intersect::wide::view::{BvhView, Fitted};
 use crate::intersect::wide::wanted::Wanted;
 use crate::intersect::{Shot, Statistics};
 use crate::math::bits::has;
@@ -293,7 +293,8 @@ fn start<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stream: &mu
             let [ox, oy, oz, dx, dy, dz, near, far] = &numbers;
             let origin = [ox[lane], oy[lane], oz[lane]];
             let axis = [dx[lane], dy[lane], dz[lane]];
-            flight.boxes.set(origin, axis, [near[lane], far[lane]]);
+            let inverse = axis.map(|along| 1.0 / along);
+            flight.boxes = BoxRay::new(origin, axis, inverse, [near[lane], far[lane]]);
             let [shift, magnitude, t_from_z] = &wide[lane / 8];
             (flight.shift, flight.scale) = (shift[lane % 8], scaled.scale);
             flight.magnitude = magnitude[lane % 8];
@@ -354,7 +355,7 @@ impl<'a> StreamRay<'a> {
             let patch = &self.view.piece_of(index).patch;
             let error = patch.error_bound(flight.magnitude);
             let guess = Guess::of(leaf, start, slopes, error);
-            let line = Line { origin: self.ray.origin(), axis: flight.boxes.axis };
+            let line = Line { origin: &self.ray.origin(), axis: &flight.boxes.axis };
             let fitted = self.view.fitted(index, patch);
             if self.start.is_done_with(simd, fitted, patch, line, guess.is_some(), error) {
                 continue;
@@ -364,7 +365,7 @@ impl<'a> StreamRay<'a> {
                 pairs.push(Pair { ray: self.index, leaf: index, form, guess });
                 continue;
             }
-            self.search(simd, index, guess, error, flight, single);
+            self.search(simd, (index, fitted), guess, error, flight, single);
             if flight.alone {
                 return;
             }
@@ -376,7 +377,7 @@ impl<'a> StreamRay<'a> {
     fn search<S: Simd>(
         &self,
         simd: S,
-        leaf: u32,
+        leaf: (u32, Fitted<'_>),
         guess: Option<Guess>,
         error: f64,
         flight: &mut Flight,
@@ -388,7 +389,7 @@ impl<'a> StreamRay<'a> {
         search_ahead(simd, self.view, leaf, guess, error, &mut ray, single);
         flight.alone |= !single.undecided.is_empty();
         if let Some(hit) = single.hit()
-            && flight.takes(self.view, &hit.place(), self.wanted)
+            && flight.takes(self.view, &hit.place, self.wanted)
         {
             flight.hit = *hit;
         }
@@ -416,14 +417,15 @@ fn search_pairs<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stre
             flight.alone |= has(outcomes.undecided, lane) && !cut_off;
             if has(outcomes.met, lane) {
                 if flight.takes(view, &lanes.place(lane, pair.leaf), *wanted) {
-                    lanes.put(lane, pair.leaf, &mut flight.hit);
+                    lanes.put(simd, lane, pair.leaf, &mut flight.hit);
                 }
             } else if has(outcomes.unconverged, lane) && !flight.is_done() {
                 let shot = &shots[pair.ray as usize];
                 let asked = StreamRay::new(view, shot, *wanted, pair.ray);
                 let patch = &view.piece_of(pair.leaf).patch;
                 let error = patch.error_bound(flight.magnitude);
-                asked.search(simd, pair.leaf, None, error, flight, single);
+                let leaf = (pair.leaf, view.fitted(pair.leaf, patch));
+                asked.search(simd, leaf, None, error, flight, single);
             }
             if flight.alone {
                 flight.stack.clear();
