@@ -24,7 +24,7 @@ use super::roots::question::{PlacedLeaf, Question};
 use super::scalar::findings::Findings;
 use super::scalar::leaf_search;
 use super::tree::nodes::ChildCode;
-use super::wide::{PACKET, Packet, SingleWork, Stream, Work};
+use super::wide::{BvhView, PACKET, Packet, SingleWork, Stream, Work};
 use super::{
     Answer, Coherence, Hit, HitFlags, Kernel, Occlusion, Query, Root, Shot, Statistics, SurfaceBvh,
 };
@@ -37,6 +37,8 @@ use crate::patch::{OrientedBox, Passage, PatchSet};
 /// or on earlier queries.
 pub struct Tracer<'a> {
     bvh: &'a SurfaceBvh,
+    /// What the fast kernels search of it, put together once and not for every ray.
+    view: BvhView<'a>,
     kernel: Kernel,
     /// The kernel's instructions, kept because detecting them takes longer than some rays.
     level: Option<Level>,
@@ -135,6 +137,7 @@ impl<'a> Tracer<'a> {
         let level = kernel.level();
         Self {
             bvh,
+            view: bvh.view(),
             kernel: if level.is_some() { kernel } else { Kernel::Scalar },
             level,
             findings: Findings::default(),
@@ -331,7 +334,7 @@ impl<'a> Tracer<'a> {
             Some(level) if coherence == Coherence::Coherent => {
                 self.occlusions_in_packets(level, shots, answers);
             }
-            Some(level) if self.bvh.view().is_vast() => {
+            Some(level) if self.view.is_vast() => {
                 self.occlusions_in_streams(level, shots, answers);
             }
             Some(level) => self.single_anys(level, shots, answers),

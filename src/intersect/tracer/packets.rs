@@ -109,8 +109,8 @@ impl Tracer<'_> {
         let PacketScratch { packet, work, .. } = &mut *self.packets;
         packet.ask(wanted);
         self.findings.statistics.rays += shots.len() as u64;
-        let view = self.bvh.view();
-        dispatch!(level, simd => trace(simd, &view, shots, ahead, packet, work));
+        let view = &self.view;
+        dispatch!(level, simd => trace(simd, view, shots, ahead, packet, work));
     }
 
     /// Searches, ray by ray, the leaves that the packet could not decide.

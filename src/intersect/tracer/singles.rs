@@ -42,7 +42,7 @@ impl Tracer<'_> {
     pub(super) fn single_all(&mut self, level: Level, query: &Query) -> DVec3 {
         let ray = (&query.ray, query.start_in(&self.bvh.set));
         let frame = dispatch!(level, simd => search(simd, self, ray, Wanted::All));
-        let view = self.bvh.view();
+        let view = self.view;
         // At borders, which hits are one crossing depends on more than where they are.
         let SingleWork { all, undecided, .. } = &mut self.single;
         all.retain(|hit| {
@@ -63,7 +63,7 @@ impl Tracer<'_> {
     /// Whether the ray comes from too far away for the fast search.
     #[inline(always)]
     pub(super) fn is_beyond_f32(&self, ray: &Ray) -> bool {
-        self.bvh.view().is_beyond_f32(ray.origin().abs().max_element())
+        self.view.is_beyond_f32(ray.origin().abs().max_element())
     }
 
     /// Whether anything lies on each of many rays, appended to `answers`.
@@ -138,8 +138,7 @@ impl Tracer<'_> {
         let known = self.single.hit().copied();
         let limit = known.map_or(frame.z_range[1], |hit| hit.place.z);
         self.search_undecided_of_single((query, frame), limit, Wanted::First);
-        let certain =
-            known.map(|hit| Certain::new(&self.bvh.view(), &query.ray, &hit).meeting(frame));
+        let certain = known.map(|hit| Certain::new(&self.view, &query.ray, &hit).meeting(frame));
         let meetings = certain.iter().chain(&self.findings.meetings);
         let answer = answer_of(&self.bvh.set, meetings, self.findings.doubt);
         self.findings.statistics.count_doubt(answer.doubtful);
@@ -154,7 +153,7 @@ fn first_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, shot: OneShot<'_>) -> An
         return tracer.with_scalar_search(&shot.query(), &frame);
     }
     let Some(hit) = tracer.single.hit() else { return Answer::default() };
-    Certain::new(&tracer.bvh.view(), shot.ray, hit).answer(shot.ray, frame.t_from_z)
+    Certain::new(&tracer.view, shot.ray, hit).answer(shot.ray, frame.t_from_z)
 }
 
 #[simd]
@@ -200,7 +199,7 @@ fn search<S: Simd>(
     let frame = RayFrame::new(ray);
     let mut single = SingleRay::new(&frame, from, wanted, bvh.tree.frame());
     tracer.findings.statistics.rays += 1;
-    trace_single(simd, &bvh.view(), &mut single, &mut tracer.single);
+    trace_single(simd, &tracer.view, &mut single, &mut tracer.single);
     frame
 }
 

@@ -29,11 +29,11 @@ impl Tracer<'_> {
                 met[count] = k;
                 count += usize::from(self.stream.is_met(k));
             }
-            let (view, stream) = (self.bvh.view(), &self.stream);
+            let (view, stream) = (&self.view, &self.stream);
             for &k in &met[..count] {
                 let (hit, t_from_z) = stream.hit(k);
                 let ray = shots[k].ray();
-                answers[first + k] = Certain::new(&view, ray, hit).answer(ray, t_from_z);
+                answers[first + k] = Certain::new(view, ray, hit).answer(ray, t_from_z);
             }
             for (k, shot) in shots.iter().enumerate() {
                 if self.stream.is_alone(k) {
@@ -70,7 +70,7 @@ impl Tracer<'_> {
 #[simd]
 fn trace<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shots: &[Q], wanted: Wanted) {
     tracer.findings.statistics.rays += shots.len() as u64;
-    trace_stream(simd, &tracer.bvh.view(), shots, wanted, &mut tracer.stream);
+    trace_stream(simd, &tracer.view, shots, wanted, &mut tracer.stream);
 }
 
 #[cfg(test)]
