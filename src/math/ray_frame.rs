@@ -17,7 +17,8 @@ pub struct RayFrame {
     pub origin: DVec3,
     /// The unit direction.
     pub axis: DVec3,
-    /// One over each component of the unit direction; infinite where that is zero.
+    /// One over each component of the unit direction, with its sign; infinite where that is zero or
+    /// next to zero.
     pub inverse_axis: DVec3,
     /// The unit normals of the two planes.
     pub normals: [DVec3; 2],
@@ -136,6 +137,23 @@ mod tests {
             let t = 7.0;
             let z = frame.coordinates(origin + t * d).z;
             assert!((z * frame.t_from_z - t).abs() < 1e-14 * t, "{d}");
+        }
+    }
+
+    #[test]
+    fn inverses_have_the_signs_of_the_direction_and_are_accurate_or_infinite() {
+        for length in [1e-150, 1e-50, 1e-30, 1.0, 1e49, 1e51, 1e150] {
+            for small in [0.0, -0.0, 1e-12, -1e-12, 1e-140, -1e-140] {
+                let direction = length * DVec3::new(-1.0, small, 0.5);
+                let RayFrame { axis, inverse_axis, .. } =
+                    RayFrame::new(&Ray::new(DVec3::ZERO, direction).unwrap());
+                for k in 0..3 {
+                    let (inverse, expected) = (inverse_axis[k], 1.0 / axis[k]);
+                    assert_eq!(inverse.is_sign_negative(), direction[k].is_sign_negative());
+                    let close = (inverse / expected - 1.0).abs() < 1e-15;
+                    assert!(close || inverse == expected || axis[k].abs() < 1e-139, "{direction}");
+                }
+            }
         }
     }
 }

@@ -60,7 +60,7 @@ impl BoxRay {
     ) -> Self {
         let mut ray = Self { origin, axis, near, far, ..Self::default() };
         for k in 0..3 {
-            // Infinite ones, too, are finite then.
+            // No larger than that, so that infinite ones become finite.
             let inverse = inverse[k].abs().min(1.0 / LEAST_DIRECTION).copysign(inverse[k]);
             let blur = BLUR.copysign(inverse);
             ray.inverse[k] = inverse;
@@ -208,9 +208,9 @@ impl BoxEntries {
 /// Returns the nearest of the children that are met, and pushes the others onto the stack, the
 /// nearest last.
 ///
-/// Without a branch for which is nearer: measured on a Xeon, incoherent rays are traced 1.00 to 1.05
-/// times as fast as with sorting by branches, rays of a picture 0.94 to 0.99 times; these are better
-/// traced in packets.
+/// More than two are ordered without a branch for which is nearer: measured on a Xeon, incoherent
+/// rays are traced 1.00 to 1.05 times as fast as with sorting by branches, rays of a picture 0.94 to
+/// 0.99 times; these are better traced in packets.
 #[inline(always)]
 fn nearest_of<S: Simd>(
     simd: S,
@@ -219,13 +219,13 @@ fn nearest_of<S: Simd>(
     met: u32,
     node: &Node,
 ) -> Option<ChildCode> {
-    let others = met & met.wrapping_sub(1);
-    if others == 0 {
+    let without_first = met & met.wrapping_sub(1);
+    if without_first == 0 {
         return (met != 0).then(|| node.child[met.trailing_zeros() as usize]);
     }
-    if others & (others - 1) == 0 {
+    if without_first & (without_first - 1) == 0 {
         // The nearer of two need not go through the stack.
-        let [first, last] = [met, others].map(|bits| bits.trailing_zeros() as usize);
+        let [first, last] = [met, without_first].map(|bits| bits.trailing_zeros() as usize);
         let last_is_nearer = entries[last] <= entries[first];
         let (near, far) = if last_is_nearer { (last, first) } else { (first, last) };
         stack.push((entries[far], node.child[far]));
@@ -335,6 +335,14 @@ mod tests {
     use crate::intersect::level::dispatch;
     use crate::intersect::tree::nodes::Child;
 
+    #[test]
+    fn infinite_inverses_become_finite_and_keep_their_signs() {
+        let inverse = [f32::INFINITY, f32::NEG_INFINITY, -1.0];
+        let ray = BoxRay::new([0.0; 3], [0.0, -0.0, -1.0], inverse, [0.0, 1.0]);
+        assert_eq!(ray.inverse, [1.0 / LEAST_DIRECTION, -1.0 / LEAST_DIRECTION, -1.0]);
+        assert_eq!(ray.upper_first, [false, true, true]);
+    }
+
     proptest! {
         #[test]
         fn children_are_put_down_in_order(
@@ -349,10 +357,10 @@ mod tests {
                 node.child[k] = ChildCode::new(Child::Block(k as u32));
             }
             let before = (7.0, ChildCode::new(Child::Node(3)));
-            let (mut stack, mut others) = (vec![before], vec![before]);
+            let (mut stack, mut rest) = (vec![before], vec![before]);
             let nearest = dispatch!(Kernel::best_level(), simd => {
                 push_met(simd, &mut stack, &entries, met, &node);
-                nearest_of(simd, &mut others, &entries, met, &node)
+                nearest_of(simd, &mut rest, &entries, met, &node)
             });
             let mut sorted: Vec<_> = set_bits(met).map(|k| (entries[k], node.child[k])).collect();
             sorted.sort_by(|a, b| b.0.total_cmp(&a.0)); // stable
@@ -364,7 +372,7 @@ mod tests {
             let last = if met == 0 { None } else { sorted.pop() };
             let code = |child: Option<ChildCode>| child.map(ChildCode::child);
             prop_assert_eq!(code(nearest), code(last.map(|(_, child)| child)));
-            prop_assert_eq!(told(&others), told(&sorted));
+            prop_assert_eq!(told(&rest), told(&sorted));
         }
     }
 }

@@ -102,7 +102,7 @@ impl<S: Simd> Distances<S> {
             let inverse = 1.0 / (a1 * b2 - a2 * b1);
             let steps = [f1 * b2 - f2 * b1, a1 * f2 - a2 * f1, 0.0, 0.0];
             let new = place - f32x4::from_slice(simd, &steps) * f32x4::splat(simd, inverse);
-            // NaN becomes a bound, which only makes another start.
+            // NaN may become a bound or stay; what takes the place as its start makes it one.
             place = new.max(-reach).min(reach);
         }
         place

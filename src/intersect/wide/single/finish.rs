@@ -126,8 +126,8 @@ fn finish_of<S: Simd, F: Sums<S>>(
 
         let weight = sums[0][3];
         let inside = new_x == within(new_x, domain[0]) && new_y == within(new_y, domain[1]);
-        let [across_x, across_y] = [step_x * inverse_half[0], step_y * inverse_half[1]];
-        let longest = across_x.abs().max(across_y.abs());
+        let box_step = [step_x * inverse_half[0], step_y * inverse_half[1]];
+        let longest = box_step[0].abs().max(box_step[1].abs());
         if inside && has_converged([at, a, b], inverse, bend * longest * longest, error, weight) {
             let within_slack = |new: f64, k: usize| (new - middle[k]).abs() <= WITH_SLACK * half[k];
             if !(within_slack(new_x, 0) && within_slack(new_y, 1)) {
@@ -140,7 +140,7 @@ fn finish_of<S: Simd, F: Sums<S>>(
             let tangents = if ray.asks_where() || leaf.has_pole() {
                 Tangents::of(F::at(simd, surface, new_x, new_y), 1.0 / weight)
             } else {
-                Tangents::after(fitted, sums, [step_x, step_y], inverse_half)
+                Tangents::after(fitted, sums, box_step, inverse_half)
             };
             let root = FoundRoot { xy: [new_x, new_y], half, z, tangents };
             return (judge::<S, F>(simd, &root, ray, error, clearance, found), step);
@@ -208,7 +208,9 @@ impl Tangents {
     /// From `X, W` and their derivatives there, and one over the weight at a place close by.
     ///
     /// The tangents are `(W X_x − X W_x) / W²`. To divide by the weight at the place itself they
-    /// would have to wait for it; the other one, a last small step away, differs as little.
+    /// would have to wait for it. By the other one, a last small step away, both are too long by
+    /// one factor: neither the normal nor the angle to the ray changes, only how fine parameters
+    /// seem, where a factor of four does not matter.
     #[inline(always)]
     fn of<S: Simd>(sums: [f64x4<S>; 3], inverse_nearby: f64) -> Self {
         let simd = sums[0].simd;
@@ -224,9 +226,9 @@ impl Tangents {
         Self { point: vector(point), along_x, along_y, cross }
     }
 
-    /// From the sums before a last small step: the point follows the tangent plane, and the
-    /// tangents follow the second derivatives, by box coordinates, in the middle of the leaf's
-    /// approximation.
+    /// From the sums before a last small step: the tangents follow the second derivatives, by box
+    /// coordinates, in the middle of the leaf's approximation. The point is the one before the step:
+    /// rays that ask for any hit do not ask where it is.
     #[inline(always)]
     fn after<S: Simd>(
         Fitted { leaf, weight }: Fitted<'_>,
@@ -234,14 +236,10 @@ impl Tangents {
         [step_x, step_y]: [f64; 2],
         inverse_half: [f64; 2],
     ) -> Self {
-        let simd = sums[0].simd;
-        let (move_x, move_y) = (f64x4::splat(simd, step_x), f64x4::splat(simd, step_y));
-        let moved = sums[0] - sums[1] * move_x - sums[2] * move_y;
-        let mut tangents = Self::of([moved, sums[1], sums[2]], 1.0 / sums[0][3]);
+        let mut tangents = Self::of(sums, 1.0 / sums[0][3]);
         let [xx, xy, yy] = leaf.second_derivatives(weight);
-        let [across_x, across_y] = [step_x * inverse_half[0], step_y * inverse_half[1]];
-        tangents.along_x -= (xx * across_x + xy * across_y) * inverse_half[0];
-        tangents.along_y -= (xy * across_x + yy * across_y) * inverse_half[1];
+        tangents.along_x -= (xx * step_x + xy * step_y) * inverse_half[0];
+        tangents.along_y -= (xy * step_x + yy * step_y) * inverse_half[1];
         tangents.cross = tangents.along_x.cross(tangents.along_y);
         tangents
     }

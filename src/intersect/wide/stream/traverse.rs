@@ -293,6 +293,7 @@ fn start<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stream: &mu
             let [ox, oy, oz, dx, dy, dz, near, far] = &numbers;
             let origin = [ox[lane], oy[lane], oz[lane]];
             let axis = [dx[lane], dy[lane], dz[lane]];
+            // In f32, not as in `RayFrame`: the same to within a unit, which the blur covers.
             let inverse = axis.map(|along| 1.0 / along);
             flight.boxes = BoxRay::new(origin, axis, inverse, [near[lane], far[lane]]);
             let [shift, magnitude, t_from_z] = &wide[lane / 8];
