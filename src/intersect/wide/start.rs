@@ -10,7 +10,8 @@ use crate::intersect::Root;
 use crate::math::rounding;
 use crate::patch::{Leaf, TensorPatch, WIDENING};
 
-/// The line that a ray lies on: a point, and a unit vector in f32.
+/// The line that a ray lies on: a point, and a unit vector in f32. Most rays do not start on the
+/// leaf, and need no copies of them.
 #[derive(Clone, Copy)]
 pub(super) struct Line<'a> {
     pub(super) origin: &'a DVec3,
