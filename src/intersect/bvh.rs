@@ -5,7 +5,7 @@ use std::fmt;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::tree::nodes::{Tree, leaf_width};
+use super::tree::nodes::Tree;
 use super::tree::regions::tree_over;
 use super::wide::{BLUR, BvhView};
 use crate::geometry::Charts;
@@ -73,7 +73,7 @@ impl SurfaceBvh {
         } else {
             (leaves, boxes) = made.map(|(leaf, _, oriented)| (leaf, oriented)).unzip();
         }
-        tree.fill(&leaves, &boxes);
+        tree.fill(&boxes);
         let windows = TrimWindows::new(&leaves, set.pieces());
         let (leaf_width, reach_of_f32) = (leaf_width(&leaves), reach.of_tree(&tree));
         // Twice the error bound of a point: the second time for rounding of distances up to there.
@@ -174,6 +174,18 @@ impl ReachOfF32 {
         let scale = tree.regions.iter().map(|region| region.frame.scale).fold(0.0, f64::max);
         (BLUR_OF_F32 / (self.factor * scale)).max(self.magnitude)
     }
+}
+
+/// The width of the leaves that rays meet, in scene units: a harmonic mean, weighted by area.
+fn leaf_width(leaves: &[Leaf]) -> f64 {
+    let (mut areas, mut widths) = (0.0, 0.0);
+    for leaf in leaves {
+        let [x, y] = leaf.half_side_lengths().map(f64::from);
+        let area = 4.0 * x * y;
+        areas += area;
+        widths += area.sqrt();
+    }
+    if areas > 0.0 { areas / widths } else { 0.0 }
 }
 
 #[cfg(test)]

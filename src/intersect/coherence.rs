@@ -76,7 +76,6 @@ impl SurfaceBvh {
 mod tests {
     use super::*;
     use crate::geometry::shapes;
-    use crate::intersect::tree::nodes::leaf_width;
 
     #[test]
     fn packets_are_for_rays_closer_than_leaves() {
@@ -84,7 +83,7 @@ mod tests {
         let bvh = SurfaceBvh::build(&surfaces).unwrap();
         // The width if as many leaves share the sphere's area evenly.
         let even = (4.0 * std::f64::consts::PI / bvh.leaves().len() as f64).sqrt();
-        let width = leaf_width(bvh.leaves());
+        let width = bvh.leaf_width;
         assert!((0.8..1.6).contains(&(width / even)), "{width} of {even}");
 
         let of = |spacing: f64| bvh.neighbours(spacing);

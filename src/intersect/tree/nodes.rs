@@ -1,11 +1,9 @@
 //! The hierarchy of boxes around leaves, for all kernels: nodes of sixteen children, and blocks
 //! of up to sixteen leaves' oriented boxes.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 
-use crate::patch::{Leaf, MOST_TOGETHER, OrientedBox, ScaledBox, ScaledFrame};
+use crate::patch::{MOST_TOGETHER, OrientedBox, ScaledBox, ScaledFrame};
 
 /// The most children of a node, and the most leaves in a block: the lanes of a vector of f32.
 pub(crate) const LANES: usize = 16;
@@ -170,8 +168,6 @@ pub(crate) struct Region {
     /// The first of its own leaves, which exclude those of regions inside it; they end where the
     /// next region's begin.
     pub(super) first_leaf: u32,
-    /// The width of those leaves, in scaled coordinates.
-    pub leaf_width: f32,
 }
 
 /// Nodes over blocks of leaves. Leaves are numbered in the order of the blocks.
@@ -186,16 +182,11 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
-    /// Fills the blocks with the leaves' oriented boxes, and sets the leaf width of each region.
-    pub(crate) fn fill(&mut self, leaves: &[Leaf], boxes: &[OrientedBox]) {
+    /// Fills the blocks with the leaves' oriented boxes.
+    pub(crate) fn fill(&mut self, boxes: &[OrientedBox]) {
         let blocks = self.starts.par_windows(2);
         let blocks = blocks.map(|ends| LeafBlock::new(&boxes[ends[0] as usize..ends[1] as usize]));
         self.blocks = blocks.collect();
-        for k in 0..self.regions.len() {
-            let own = &leaves[self.leaves_of(k)];
-            let region = &mut self.regions[k];
-            region.leaf_width = (leaf_width(own) * region.frame.scale) as f32;
-        }
     }
 
     /// The coordinates of the whole scene.
@@ -233,13 +224,6 @@ impl Tree {
         &self.regions[after - 1].frame
     }
 
-    /// A region's own leaves.
-    fn leaves_of(&self, region: usize) -> Range<usize> {
-        let end = self.regions.get(region + 1).map(|next| next.first_leaf);
-        let end = end.or(self.starts.last().copied()).unwrap_or(0);
-        self.regions[region].first_leaf as usize..end as usize
-    }
-
     /// The leaves of a block.
     #[inline(always)]
     pub(crate) fn leaves(&self, block: u32) -> BlockLeaves {
@@ -259,16 +243,4 @@ impl Tree {
             + size_of_val(&self.starts[..])
             + size_of_val(&self.regions[..])
     }
-}
-
-/// The width of the leaves that rays meet, in scene units: a harmonic mean, weighted by area.
-pub(crate) fn leaf_width(leaves: &[Leaf]) -> f64 {
-    let (mut areas, mut widths) = (0.0, 0.0);
-    for leaf in leaves {
-        let [x, y] = leaf.half_side_lengths().map(f64::from);
-        let area = 4.0 * x * y;
-        areas += area;
-        widths += area.sqrt();
-    }
-    if areas > 0.0 { areas / widths } else { 0.0 }
 }

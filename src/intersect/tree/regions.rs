@@ -86,7 +86,7 @@ pub(crate) fn tree_over(
 
         let first_leaf = wide.order.len() as u32;
         let root = Collapse::of((&binary, &counts), &inner, &own, &mut wide);
-        regions.push(Region { frame, root, around, first_leaf, leaf_width: 0.0 });
+        regions.push(Region { frame, root, around, first_leaf });
     }
     let Wide { nodes, starts, order } = wide;
     (Tree { nodes, blocks: Vec::new(), starts, regions }, order)

@@ -43,7 +43,7 @@ pub(crate) fn trace<S: Simd, Q: Shot>(
         return packet.clear(shots.len());
     }
     load(simd, packet, shots, view);
-    work.apart.set(simd, packet, tree.regions[0].leaf_width);
+    work.apart.set(packet);
     work.stack.clear();
     work.stack.extend(tree.root().map(|root| (f32::NEG_INFINITY, root, ALL)));
     while let Some((entry, code, rays)) = work.stack.pop() {
@@ -60,7 +60,7 @@ pub(crate) fn trace<S: Simd, Q: Shot>(
                 let node = &tree.nodes[index as usize];
                 let (entries, met) =
                     enter(simd, node, &packet.scaled.bounds, packet.scaled.farthest);
-                let meeting = work.apart.meeting(simd, packet, node, met, rays);
+                let meeting = work.apart.meeting(simd, packet, node, (&entries, met), rays);
                 let kept = (0..LANES).map(|k| u32::from(meeting[k] != 0) << k).sum::<u32>();
                 let visit = |k: usize| (entries[k], node.child[k], meeting[k]);
                 push_in_order(simd, &mut work.stack, &entries, met & kept, visit);
@@ -90,7 +90,7 @@ fn change_region<S: Simd>(
 ) {
     settle(simd, view, packet, work, 1);
     change_to(simd, packet, &region.frame, view.reach_of_f32);
-    work.apart.set(simd, packet, region.leaf_width);
+    work.apart.set(packet);
 }
 
 /// Whether the outline of some rays is enough to see that they meet no leaf.
@@ -146,7 +146,11 @@ fn search_block<S: Simd, Q>(
 ) {
     let block = &view.tree.blocks[index as usize];
     let leaves = view.tree.leaves(index);
-    let (entries, met) = enter_block(simd, block, &packet.scaled.bounds, packet.scaled.farthest);
+    let (entries, met) = if work.apart.are_mixed() {
+        ([f32::MIN; LANES], u32::MAX)
+    } else {
+        enter_block(simd, block, &packet.scaled.bounds, packet.scaled.farthest)
+    };
     let apart = work.apart.leaves(simd, block, leaves.of(met), packet, rays);
     let two = apart | apart >> 32;
     let mut met = (two | two >> 16) as u32 & 0xffff;
