@@ -37,6 +37,15 @@ const FAR_APART: f32 = 0.5;
 /// nothing by other sixteens.
 const FEW: u32 = 4;
 
+/// A test of one ray against a node's sixteen boxes counts as this many tests of sixteen rays
+/// against one of them. Measured against 1: ambient occlusion is 1.0 to 1.05 times as fast; 4 is as
+/// good.
+const RAY_AGAINST_NODE: u32 = 2;
+
+/// A search of one leaf for sixteen rays counts as this many tests of one ray against a block.
+/// Measured against 1: shadow rays are 1.0 to 1.07 times as fast; 4 is as good.
+const SEARCH_AGAINST_RAY: u32 = 2;
+
 /// What is known of a packet's rays beyond their shared bounds.
 #[derive(Debug, Default)]
 pub(super) struct Apart {
@@ -187,8 +196,7 @@ fn narrower<S: Simd>(simd: S, node: &Node, width: f32x16<S>) -> u32 {
     lane_bits(widest.simd_le(width))
 }
 
-/// See [`Apart::meeting`]; only `children` are tested. The planes are moved outwards by more than
-/// the rounding error, as in [`BoxRay`].
+/// See [`Apart::meeting`]; only `children` are tested.
 #[simd]
 fn meeting_one_by_one<S: Simd>(
     simd: S,
@@ -202,30 +210,58 @@ fn meeting_one_by_one<S: Simd>(
     for child in set_bits(children) {
         meeting[child] = 0;
     }
-    let groups = groups(rays);
-    if rays.count_ones() < groups.count_ones() * children.count_ones() {
-        let scaled = &packet.scaled;
-        for k in set_bits(rays) {
-            let of = |lanes: &Lanes3f| [lanes[0][k], lanes[1][k], lanes[2][k]];
-            let range = [scaled.near[k], scaled.far[k]];
-            let ray = BoxRay::new(of(&scaled.origin), of(&scaled.axis), of(inverse), range);
-            let (_, entered) = ray.entries(simd, node);
-            for child in set_bits(entered & children) {
-                meeting[child] |= 1 << k;
-            }
-        }
-        return meeting;
+    let by_sixteens = groups(rays).count_ones() * children.count_ones();
+    if RAY_AGAINST_NODE * rays.count_ones() < by_sixteens {
+        add_ray_by_ray(simd, packet, inverse, node, children, rays, &mut meeting);
+    } else {
+        add_box_by_box(simd, packet, inverse, node, children, rays, &mut meeting);
     }
+    meeting
+}
+
+/// Adds those of `rays` that meet the boxes of `children`, each ray against all boxes of the node.
+#[inline(always)]
+fn add_ray_by_ray<S: Simd>(
+    simd: S,
+    Packet { scaled, .. }: &Packet,
+    inverse: &Lanes3f,
+    node: &Node,
+    children: u32,
+    rays: u64,
+    meeting: &mut [u64; LANES],
+) {
+    for k in set_bits(rays) {
+        let of = |lanes: &Lanes3f| [lanes[0][k], lanes[1][k], lanes[2][k]];
+        let range = [scaled.near[k], scaled.far[k]];
+        let ray = BoxRay::new(of(&scaled.origin), of(&scaled.axis), of(inverse), range);
+        let (_, entered) = ray.entries(simd, node);
+        for child in set_bits(entered & children) {
+            meeting[child] |= 1 << k;
+        }
+    }
+}
+
+/// The same, each box against sixteen rays. The planes are moved outwards by more than the rounding
+/// error, as in [`BoxRay`].
+#[inline(always)]
+fn add_box_by_box<S: Simd>(
+    simd: S,
+    Packet { scaled, .. }: &Packet,
+    inverse: &Lanes3f,
+    node: &Node,
+    children: u32,
+    rays: u64,
+    meeting: &mut [u64; LANES],
+) {
     for base in (0..PACKET).step_by(LANES) {
         let some = (rays >> base) as u32 & 0xffff;
         if some == 0 {
             continue;
         }
-        let near_f = f32x16::from_slice(simd, &packet.scaled.near[base..base + LANES]);
-        let far_f = f32x16::from_slice(simd, &packet.scaled.far[base..base + LANES]);
+        let near_f = f32x16::from_slice(simd, &scaled.near[base..base + LANES]);
+        let far_f = f32x16::from_slice(simd, &scaled.far[base..base + LANES]);
         let inverse = load3(simd, inverse, base);
-        let (mut for_low, blur) =
-            (load3(simd, &packet.scaled.origin, base), f32x16::splat(simd, BLUR));
+        let (mut for_low, blur) = (load3(simd, &scaled.origin, base), f32x16::splat(simd, BLUR));
         let mut for_high = for_low;
         for axis in 0..3 {
             for_low[axis] += blur;
@@ -244,7 +280,6 @@ fn meeting_one_by_one<S: Simd>(
             meeting[child] |= u64::from(some & lane_bits(near.simd_le(far))) << base;
         }
     }
-    meeting
 }
 
 /// The leaves that rays meet, tested one by one; or all of `met` for each sixteen that have a ray,
@@ -258,7 +293,8 @@ fn leaves_of_rays<S: Simd>(
     rays: u64,
 ) -> u64 {
     let groups = groups(rays);
-    if rays.count_ones() > groups.count_ones() * met.count_ones() {
+    let searches = groups.count_ones() * met.count_ones();
+    if rays.count_ones() > SEARCH_AGAINST_RAY * searches {
         return u64::from(met) * groups;
     }
     let mut apart = 0;
@@ -273,9 +309,18 @@ fn leaves_of_rays<S: Simd>(
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
+    use glam::DVec3;
     use proptest::prelude::*;
 
     use super::*;
+    use crate::geometry::shapes;
+    use crate::intersect::level::dispatch;
+    use crate::intersect::wide::packet::load::load;
+    use crate::intersect::{Kernel, Query, SurfaceBvh};
+    use crate::math::Ray;
+    use crate::math::testing::same_cases;
 
     proptest! {
         #[test]
@@ -293,5 +338,80 @@ mod tests {
                 prop_assert_eq!(sixteen(for_all(met), k), met);
             }
         }
+    }
+
+    /// Whether a ray meets a box, by slabs in f64.
+    fn meets(packet: &Packet, k: usize, node: &Node, child: usize) -> bool {
+        let of = |lanes: &Lanes3f, axis: usize| f64::from(lanes[axis][k]);
+        let mut range = [packet.scaled.near[k], packet.scaled.far[k]].map(f64::from);
+        for axis in 0..3 {
+            let (from, along) = (of(&packet.scaled.origin, axis), of(&packet.scaled.axis, axis));
+            let planes = [0, 1].map(|end| f64::from(node.planes[axis][end][child]));
+            if along == 0.0 {
+                if from < planes[0] || from > planes[1] {
+                    return false;
+                }
+                continue;
+            }
+            let [a, b] = planes.map(|plane| (plane - from) / along);
+            range = [range[0].max(a.min(b)), range[1].min(a.max(b))];
+        }
+        range[0] <= range[1]
+    }
+
+    /// No ray that meets a box is left out: of rays that leave one place in all directions, that
+    /// run side by side, near to each other or not, or that fan out from an eye; some along the
+    /// axes. Where some are, the others meet the box, but for one in twenty.
+    #[test]
+    fn no_ray_that_meets_a_box_is_left_out() {
+        let bvh = SurfaceBvh::build(&[shapes::torus(1.0, 0.4).unwrap()]).unwrap();
+        let view = bvh.view();
+        let (met_in_all, told) = (Cell::new(0), Cell::new((0, 0)));
+        let point = || [-1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64].prop_map(DVec3::from_array);
+        let axis = prop_oneof![point(), Just(DVec3::X), Just(-DVec3::Y), Just(DVec3::Z)];
+        let rays = (point(), axis, -4.0..0.5f64, -4.0..0.5f64, 0u32..4);
+        let offsets = prop::collection::vec((point(), point()), PACKET);
+        let masks = (any::<u64>(), any::<u64>(), any::<u64>(), any::<u32>());
+        let config = same_cases(2_000);
+        proptest!(config, |(
+            (origin, axis, apart, fan, which) in rays,
+            offsets in offsets,
+            (a, b, c, met_bits) in masks,
+        )| {
+            let queries: Vec<Query> = offsets
+                .iter()
+                .map(|&(from, along)| {
+                    let origin = 2.0 * origin + 10f64.powf(apart) * from;
+                    let axis = axis + if which & 1 == 0 { DVec3::ZERO } else { 10f64.powf(fan) * along };
+                    Query::primary(Ray::new(origin, axis.normalize_or(DVec3::Z)).unwrap())
+                })
+                .collect();
+            let rays = match which { 0 => ALL, 1 => a, 2 => a & b, _ => a & b & c };
+            let mut packet = Packet::default();
+            for node in &view.tree.nodes {
+                let filled = node.filled().fold(0, |bits, k| bits | 1 << k);
+                let asked = filled & if which == 0 { u32::MAX } else { met_bits };
+                let meeting = dispatch!(Kernel::best_level(), simd => {
+                    load(simd, &mut packet, &queries, &view);
+                    let mut apart = Apart::default();
+                    apart.set(&packet);
+                    apart.meeting(simd, &packet, node, (&[0.0; LANES], asked), rays)
+                });
+                for child in set_bits(asked) {
+                    let kept = meeting[child];
+                    prop_assert_eq!(kept & !rays, 0);
+                    let meets = |&k: &usize| meets(&packet, k, node, child);
+                    let met = set_bits(rays).filter(meets).fold(0, |bits, k| bits | 1 << k);
+                    prop_assert_eq!(met & !kept, 0, "child {}: {:b}, but {:b}", child, met, kept);
+                    met_in_all.set(met_in_all.get() + met.count_ones());
+                    if kept != rays {
+                        let [met, kept] = [met, kept].map(u64::count_ones);
+                        told.set((told.get().0 + met, told.get().1 + kept));
+                    }
+                }
+            }
+        });
+        let (met, kept) = told.get();
+        assert!(met > 10_000 && kept < met + met / 20, "{met} {kept} {met_in_all:?}");
     }
 }
