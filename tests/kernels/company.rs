@@ -90,6 +90,12 @@ fn in_any_company(name: &str, bvh: &SurfaceBvh, queries: &[Query], random: &mut 
     let hints = [Coherence::Coherent, Coherence::Incoherent];
     for (&kernel, coherence) in kernels.flat_map(|kernel| hints.map(|hint| (kernel, hint))) {
         let together = trace(bvh, kernel, coherence, queries);
+        let occlusions = |queries: &[Query]| {
+            let mut occlusions = Vec::new();
+            bvh.tracer_with(kernel).occlusions(queries, coherence, &mut occlusions);
+            occlusions
+        };
+        let hidden = occlusions(queries);
         let mut order: Vec<usize> = (0..queries.len()).collect();
         for k in (1..order.len()).rev() {
             order.swap(k, (random.unit() * (k + 1) as f64) as usize);
@@ -99,6 +105,10 @@ fn in_any_company(name: &str, bvh: &SurfaceBvh, queries: &[Query], random: &mut 
             let answers = trace(bvh, kernel, coherence, &mixed);
             for (&k, answer) in company.iter().zip(&answers) {
                 assert_eq!(bits(answer), bits(&together[k]), "{name}, {kernel}: ray {k}");
+            }
+            let in_company = occlusions(&mixed);
+            for (&k, occlusion) in company.iter().zip(&in_company) {
+                assert_eq!(occlusion, &hidden[k], "{name}, {kernel}: occlusion of ray {k}");
             }
         }
     }

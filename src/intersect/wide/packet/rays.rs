@@ -9,6 +9,7 @@ use super::box_crossing::BoxCrossing;
 use super::hits::NearestHits;
 use super::starts::Starts;
 use crate::intersect::tree::nodes::LANES;
+use crate::intersect::wide::PACKET;
 use crate::intersect::wide::box_ray::BOX_SPARE;
 use crate::intersect::wide::frames::END_SPARE;
 use crate::intersect::wide::lane_rays::{LaneRays, RaySixteen, ScaledRays};
@@ -37,6 +38,14 @@ impl Packet {
     pub(crate) fn clear(&mut self, count: usize) {
         self.count = count;
         (self.far_off, self.hits.met, self.hits.needs_look) = (0, 0, 0);
+    }
+
+    /// One bit for each ray that is still searched for.
+    #[inline(always)]
+    pub(super) fn open(&self) -> u64 {
+        let done = if self.wanted == Wanted::Any { self.hits.met } else { 0 };
+        let all = u64::MAX.checked_shr((PACKET - self.count) as u32).unwrap_or(0);
+        all & !(self.far_off | done)
     }
 
     /// The sixteen rays from `base` on.

@@ -3,7 +3,6 @@
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
-use super::apart::ALL;
 use super::leaf::{BlockLeaf, search_leaf};
 use super::load::{change_to, load};
 use super::outline::{Outline, outline};
@@ -45,9 +44,12 @@ pub(crate) fn trace<S: Simd, Q: Shot>(
     load(simd, packet, shots, view);
     work.apart.set(packet);
     work.stack.clear();
-    work.stack.extend(tree.root().map(|root| (f32::NEG_INFINITY, root, ALL)));
+    work.stack.extend(tree.root().map(|root| (f32::NEG_INFINITY, root, packet.open())));
     while let Some((entry, code, rays)) = work.stack.pop() {
-        if entry > packet.scaled.farthest {
+        let rays = rays & packet.open();
+        // The way back out of a region is always taken: what follows is in other coordinates.
+        let is_box = code.is_node() || code.is_block();
+        if entry > packet.scaled.farthest || is_box && rays == 0 {
             continue;
         }
         ahead.ask(Moment::Box);
@@ -108,7 +110,7 @@ fn meets_nothing<S: Simd, Q: Shot>(
         Outline::Bounds(bounds, farthest) => (bounds, farthest),
     };
     work.stack.clear();
-    work.stack.extend(tree.root().map(|root| (f32::NEG_INFINITY, root, ALL)));
+    work.stack.extend(tree.root().map(|root| (0.0, root, 0)));
     while let Some((_, code, _)) = work.stack.pop() {
         match code.child() {
             Child::Block(index) => {
@@ -123,7 +125,7 @@ fn meets_nothing<S: Simd, Q: Shot>(
                 let node = &tree.nodes[index as usize];
                 let (_, met) = enter(simd, node, &bounds, farthest);
                 for k in set_bits(met) {
-                    work.stack.push((0.0, node.child[k], ALL));
+                    work.stack.push((0.0, node.child[k], 0));
                 }
             }
             // This needs a closer look.
@@ -133,7 +135,7 @@ fn meets_nothing<S: Simd, Q: Shot>(
     true
 }
 
-/// Searches the leaves of a block, near ones first.
+/// Searches the leaves of a block, near ones first unless the rays point anywhere.
 #[simd]
 fn search_block<S: Simd, Q>(
     simd: S,
@@ -146,7 +148,7 @@ fn search_block<S: Simd, Q>(
 ) {
     let block = &view.tree.blocks[index as usize];
     let leaves = view.tree.leaves(index);
-    let (entries, met) = if work.apart.are_mixed() {
+    let (entries, met) = if work.apart.point_anywhere() {
         ([f32::MIN; LANES], u32::MAX)
     } else {
         enter_block(simd, block, &packet.scaled.bounds, packet.scaled.farthest)
