@@ -21,7 +21,7 @@ use super::shared_bounds::enter_block;
 use crate::intersect::tree::nodes::{LANES, LeafBlock, Node};
 use crate::intersect::wide::PACKET;
 use crate::intersect::wide::box_ray::{BLUR, BoxRay, LEAST_DIRECTION, Slabs};
-use crate::intersect::wide::lane_rays::PacketBounds;
+use crate::intersect::wide::lane_rays::{PacketBounds, ScaledRays};
 use crate::intersect::wide::vectors::{Lanes3f, lane_bits, load3};
 use crate::math::bits::set_bits;
 
@@ -140,7 +140,7 @@ impl Apart {
             return [rays; LANES];
         }
         let inverse = self.inverse.find(simd, packet);
-        meeting_one_by_one(simd, packet, inverse, node, small, rays)
+        OneByOne { scaled: &packet.scaled, inverse, node, children: small, rays }.meeting(simd)
     }
 
     /// Returns, for every sixteen rays, which leaves of a block those of `rays` may meet, of the
@@ -199,88 +199,80 @@ fn narrower<S: Simd>(simd: S, node: &Node, width: f32x16<S>) -> u32 {
     lane_bits(widest.simd_le(width))
 }
 
-/// See [`Apart::meeting`]; only `children` are tested.
-#[simd]
-fn meeting_one_by_one<S: Simd>(
-    simd: S,
-    packet: &Packet,
-    inverse: &Lanes3f,
-    node: &Node,
+/// Which of some rays meet which of a node's boxes?
+struct OneByOne<'a> {
+    scaled: &'a ScaledRays,
+    /// One over the rays' directions.
+    inverse: &'a Lanes3f,
+    node: &'a Node,
     children: u32,
     rays: u64,
-) -> [u64; LANES] {
-    let mut meeting = [rays; LANES];
-    for child in set_bits(children) {
-        meeting[child] = 0;
-    }
-    let by_sixteens = groups(rays).count_ones() * children.count_ones();
-    if RAY_AGAINST_NODE * rays.count_ones() < by_sixteens {
-        add_ray_by_ray(simd, packet, inverse, node, children, rays, &mut meeting);
-    } else {
-        add_box_by_box(simd, packet, inverse, node, children, rays, &mut meeting);
-    }
-    meeting
 }
 
-/// Adds those of `rays` that meet the boxes of `children`, each ray against all boxes of the node.
-#[inline(always)]
-fn add_ray_by_ray<S: Simd>(
-    simd: S,
-    Packet { scaled, .. }: &Packet,
-    inverse: &Lanes3f,
-    node: &Node,
-    children: u32,
-    rays: u64,
-    meeting: &mut [u64; LANES],
-) {
-    for k in set_bits(rays) {
-        let of = |lanes: &Lanes3f| [lanes[0][k], lanes[1][k], lanes[2][k]];
-        let range = [scaled.near[k], scaled.far[k]];
-        let ray = BoxRay::new(of(&scaled.origin), of(&scaled.axis), of(inverse), range);
-        let (_, entered) = ray.entries(simd, node);
-        for child in set_bits(entered & children) {
-            meeting[child] |= 1 << k;
+impl OneByOne<'_> {
+    /// See [`Apart::meeting`].
+    #[simd]
+    fn meeting<S: Simd>(&self, simd: S) -> [u64; LANES] {
+        let mut meeting = [self.rays; LANES];
+        for child in set_bits(self.children) {
+            meeting[child] = 0;
         }
+        let by_sixteens = groups(self.rays).count_ones() * self.children.count_ones();
+        if RAY_AGAINST_NODE * self.rays.count_ones() < by_sixteens {
+            self.add_ray_by_ray(simd, &mut meeting);
+        } else {
+            self.add_box_by_box(simd, &mut meeting);
+        }
+        meeting
     }
-}
 
-/// Does the same with each box against sixteen rays. The planes are moved outwards by more than the
-/// rounding error, as in [`BoxRay`].
-#[inline(always)]
-fn add_box_by_box<S: Simd>(
-    simd: S,
-    Packet { scaled, .. }: &Packet,
-    inverse: &Lanes3f,
-    node: &Node,
-    children: u32,
-    rays: u64,
-    meeting: &mut [u64; LANES],
-) {
-    for base in (0..PACKET).step_by(LANES) {
-        let some = (rays >> base) as u32 & 0xffff;
-        if some == 0 {
-            continue;
-        }
-        let near_f = f32x16::from_slice(simd, &scaled.near[base..base + LANES]);
-        let far_f = f32x16::from_slice(simd, &scaled.far[base..base + LANES]);
-        let inverse = load3(simd, inverse, base);
-        let (mut for_low, blur) = (load3(simd, &scaled.origin, base), f32x16::splat(simd, BLUR));
-        let mut for_high = for_low;
-        for axis in 0..3 {
-            for_low[axis] += blur;
-            for_high[axis] -= blur;
-        }
-        for child in set_bits(children) {
-            let (mut near, mut far) = (near_f, far_f);
-            for axis in 0..3 {
-                let low = f32x16::splat(simd, node.planes[axis][0][child]);
-                let high = f32x16::splat(simd, node.planes[axis][1][child]);
-                let a = (low - for_low[axis]) * inverse[axis];
-                let b = (high - for_high[axis]) * inverse[axis];
-                near = near.max(a.min(b));
-                far = far.min(a.max(b));
+    /// Adds the rays that meet the boxes, each ray against all boxes of the node.
+    #[inline(always)]
+    fn add_ray_by_ray<S: Simd>(&self, simd: S, meeting: &mut [u64; LANES]) {
+        let Self { scaled, inverse, node, .. } = self;
+        for k in set_bits(self.rays) {
+            let of = |lanes: &Lanes3f| [lanes[0][k], lanes[1][k], lanes[2][k]];
+            let range = [scaled.near[k], scaled.far[k]];
+            let ray = BoxRay::new(of(&scaled.origin), of(&scaled.axis), of(inverse), range);
+            let (_, entered) = ray.entries(simd, node);
+            for child in set_bits(entered & self.children) {
+                meeting[child] |= 1 << k;
             }
-            meeting[child] |= u64::from(some & lane_bits(near.simd_le(far))) << base;
+        }
+    }
+
+    /// Does the same with each box against sixteen rays. The planes are moved outwards by more than
+    /// the rounding error, as in [`BoxRay`].
+    #[inline(always)]
+    fn add_box_by_box<S: Simd>(&self, simd: S, meeting: &mut [u64; LANES]) {
+        let Self { scaled, node, .. } = self;
+        for base in (0..PACKET).step_by(LANES) {
+            let some = (self.rays >> base) as u32 & 0xffff;
+            if some == 0 {
+                continue;
+            }
+            let near_f = f32x16::from_slice(simd, &scaled.near[base..base + LANES]);
+            let far_f = f32x16::from_slice(simd, &scaled.far[base..base + LANES]);
+            let inverse = load3(simd, self.inverse, base);
+            let blur = f32x16::splat(simd, BLUR);
+            let mut for_low = load3(simd, &scaled.origin, base);
+            let mut for_high = for_low;
+            for axis in 0..3 {
+                for_low[axis] += blur;
+                for_high[axis] -= blur;
+            }
+            for child in set_bits(self.children) {
+                let (mut near, mut far) = (near_f, far_f);
+                for axis in 0..3 {
+                    let low = f32x16::splat(simd, node.planes[axis][0][child]);
+                    let high = f32x16::splat(simd, node.planes[axis][1][child]);
+                    let a = (low - for_low[axis]) * inverse[axis];
+                    let b = (high - for_high[axis]) * inverse[axis];
+                    near = near.max(a.min(b));
+                    far = far.min(a.max(b));
+                }
+                meeting[child] |= u64::from(some & lane_bits(near.simd_le(far))) << base;
+            }
         }
     }
 }
