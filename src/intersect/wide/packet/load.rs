@@ -41,7 +41,7 @@ pub(crate) fn load<S: Simd, Q: Shot>(
         for k in set_bits(far_off) {
             packet.hits.z[k] = f64::NEG_INFINITY;
         }
-        packet.far_off = far_off & (u64::MAX >> (PACKET - packet.count));
+        packet.far_off = far_off & packet.all();
         leave_out(packet, far_off);
     }
     packet.rays.planes_known = false;

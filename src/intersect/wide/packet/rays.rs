@@ -40,12 +40,17 @@ impl Packet {
         (self.far_off, self.hits.met, self.hits.needs_look) = (0, 0, 0);
     }
 
+    /// One bit for each ray; none for lanes left over.
+    #[inline(always)]
+    pub(super) fn all(&self) -> u64 {
+        u64::MAX.checked_shr((PACKET - self.count) as u32).unwrap_or(0)
+    }
+
     /// One bit for each ray that is still searched for.
     #[inline(always)]
     pub(super) fn open(&self) -> u64 {
         let done = if self.wanted == Wanted::Any { self.hits.met } else { 0 };
-        let all = u64::MAX.checked_shr((PACKET - self.count) as u32).unwrap_or(0);
-        all & !(self.far_off | done)
+        self.all() & !(self.far_off | done)
     }
 
     /// The sixteen rays from `base` on.

@@ -109,6 +109,7 @@ fn meets_nothing<S: Simd, Q: Shot>(
         Outline::Beside => return true,
         Outline::Bounds(bounds, farthest) => (bounds, farthest),
     };
+    // Here, only the codes on the stack matter.
     work.stack.clear();
     work.stack.extend(tree.root().map(|root| (0.0, root, 0)));
     while let Some((_, code, _)) = work.stack.pop() {
