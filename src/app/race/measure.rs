@@ -56,7 +56,7 @@ impl Measurement {
         seconds: f64,
     ) -> Self {
         let ours: Vec<_> =
-            kernels.iter().map(|&kernel| Ours { bvh: model.world.bvh(), kernel, rays }).collect();
+            kernels.iter().map(|&kernel| Ours::new(model.world.bvh(), kernel, rays)).collect();
         let mut entries: Vec<_> = rivals.iter().map(|rival| rival.enter(rays)).collect();
 
         let found: Vec<_> = ours.iter().map(Ours::outcomes).collect();

@@ -12,42 +12,32 @@ use super::ray_set::{Calls, Question};
 use super::rays::{CHUNK, Rays};
 
 /// One kernel on one set of rays.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(crate) struct Ours<'a> {
-    pub(crate) bvh: &'a SurfaceBvh,
+    bvh: &'a SurfaceBvh,
     pub(crate) kernel: Kernel,
-    pub(crate) rays: &'a Rays,
+    rays: &'a Rays,
+    /// Desks that no thread uses. They stay from pass to pass, as the rival's packets do.
+    desks: Mutex<Vec<Desk<'a>>>,
 }
 
 /// A thread's tracer and buffers: reused for every chunk, as a renderer does for every tile.
+#[derive(Debug)]
 struct Desk<'a> {
     tracer: Tracer<'a>,
     answers: Vec<Answer>,
     occlusions: Vec<Occlusion>,
 }
 
-/// Desks that no thread uses.
-#[derive(Default)]
-struct Desks<'a>(Mutex<Vec<Desk<'a>>>);
-
-impl<'a> Desks<'a> {
-    /// Does `work` at an unused desk, or at a new one.
-    fn with<T>(&self, ours: &Ours<'a>, work: impl FnOnce(&mut Desk<'a>) -> T) -> T {
-        let free = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let unused = free().pop();
-        let mut desk = unused.unwrap_or_else(|| ours.desk());
-        let done = work(&mut desk);
-        free().push(desk);
-        done
-    }
-}
-
 impl<'a> Ours<'a> {
+    pub(crate) fn new(bvh: &'a SurfaceBvh, kernel: Kernel, rays: &'a Rays) -> Self {
+        Self { bvh, kernel, rays, desks: Mutex::default() }
+    }
+
     /// Traces all rays once, on the threads of the current pool, and drops the answers.
     pub(crate) fn pass(&self) {
-        let desks = Desks::default();
         self.chunks().for_each(|chunk| {
-            desks.with(self, |desk| match self.rays.set.calls() {
+            self.at_desk(|desk| match self.rays.set.calls() {
                 Calls::OneByOne => self.ask(desk, chunk),
                 Calls::Batch(_) => {
                     self.trace(desk, chunk);
@@ -72,9 +62,8 @@ impl<'a> Ours<'a> {
 
     /// Traces all rays once and returns their outcomes.
     pub(crate) fn outcomes(&self) -> Vec<Outcome> {
-        let desks = Desks::default();
         let chunks = self.chunks().map(|chunk| {
-            desks.with(self, |desk| {
+            self.at_desk(|desk| {
                 self.trace(desk, chunk);
                 self.noted(desk, chunk.0)
             })
@@ -82,9 +71,18 @@ impl<'a> Ours<'a> {
         chunks.collect::<Vec<_>>().concat()
     }
 
-    fn desk(&self) -> Desk<'a> {
-        let tracer = self.bvh.tracer_with(self.kernel);
-        Desk { tracer, answers: Vec::new(), occlusions: Vec::new() }
+    /// Does `work` at an unused desk, or at a new one.
+    fn at_desk<T>(&self, work: impl FnOnce(&mut Desk<'a>) -> T) -> T {
+        let free = || self.desks.lock().unwrap_or_else(PoisonError::into_inner);
+        let unused = free().pop();
+        let mut desk = unused.unwrap_or_else(|| Desk {
+            tracer: self.bvh.tracer_with(self.kernel),
+            answers: Vec::new(),
+            occlusions: Vec::new(),
+        });
+        let done = work(&mut desk);
+        free().push(desk);
+        done
     }
 
     /// The queries, and the rays alone, chunk by chunk.
