@@ -13,9 +13,12 @@ use super::rays::Packet;
 use super::screening::Asked;
 use super::target::Target;
 use crate::intersect::tree::nodes::LANES;
+use crate::intersect::wide::frames::transposed;
 use crate::intersect::wide::proof::bounds::{DISTANCE_ROUNDING, LARGEST};
 use crate::intersect::wide::proof::lanes::Errors;
-use crate::intersect::wide::search::distances::{LaneDistances, terms};
+use crate::intersect::wide::search::distances::{
+    LaneDistances, in_middle, middle_distances, one_lane, terms,
+};
 use crate::intersect::wide::vectors::lane_bits;
 use crate::math::bits::set_bits;
 
@@ -30,14 +33,19 @@ pub(super) struct Doubt {
     pub(super) entry: f32,
 }
 
-/// Pairs of a ray and a leaf, as a structure of arrays.
+/// The distances of a leaf's approximation from the two planes of one ray: the coefficients of
+/// `xⁱ yʲ`, at `4 i + j`.
+type PairDistances = [[f32; 16]; 2];
+
+/// Pairs of a ray and a leaf, number by number, but for their distances.
 #[derive(Debug)]
 #[repr(align(64))]
 pub(super) struct Doubts {
     count: usize,
     pairs: [Doubt; ROOM],
-    /// As in [`LaneDistances`].
-    distances: [[[f32; ROOM]; 16]; 2],
+    /// Pair by pair, as most calls put aside one or two. Measured against those of all sixteen rays,
+    /// packed: ambient occlusion is traced 1.01 to 1.06 times as fast.
+    distances: [PairDistances; ROOM],
     /// As in [`Errors`].
     errors: [[f32; ROOM]; 3],
     /// The approximate lengths of the leaves' half sides.
@@ -49,7 +57,7 @@ impl Default for Doubts {
         Self {
             count: 0,
             pairs: [Doubt::default(); ROOM],
-            distances: [[[0.0; ROOM]; 16]; 2],
+            distances: [[[0.0; 16]; 2]; ROOM],
             errors: [[0.0; ROOM]; 3],
             lengths: [[0.0; ROOM]; 2],
         }
@@ -91,15 +99,15 @@ impl Doubts {
         &mut self,
         simd: S,
         target: &Target<'_>,
-        distances: &LaneDistances,
         packet: &Packet,
         crossing: &BoxCrossing<S>,
         Asked { lanes, error }: Asked<S>,
     ) -> u32 {
         let BoxCrossing { base, entry, .. } = *crossing;
         let leaf = target.leaf;
-        let fitted = target.fitted();
-        let terms = terms(simd, fitted, distances.in_middle(simd), packet.sixteen(base));
+        let (fitted, rays) = (target.fitted(), packet.sixteen(base));
+        let middle = middle_distances(simd, leaf, rays);
+        let terms = terms(simd, fitted, in_middle(simd, fitted, middle, rays), rays);
         let weighted = error * f32x16::splat(simd, fitted.heaviest());
         let noise = terms * f32x16::splat(simd, DISTANCE_ROUNDING);
         let [x, y] = leaf.half_side_lengths();
@@ -109,21 +117,22 @@ impl Doubts {
         let known = lanes & lane_bits(in_range & noise.simd_lt(f32x16::splat(simd, x.min(y))));
         let chosen = mask32x16::from_bitmask(simd, u64::from(known));
         let at = self.count..self.count + LANES;
-        for k in 0..2 {
-            for m in 0..16 {
-                let row = f32x16::from_slice(simd, &distances.of[k][m]);
-                row.compress(chosen).store_slice(&mut self.distances[k][m][at.clone()]);
-            }
-            let length = f32x16::splat(simd, [x, y][k]);
-            length.store_slice(&mut self.lengths[k][at.clone()]);
+        for (lengths, length) in self.lengths.iter_mut().zip([x, y]) {
+            f32x16::splat(simd, length).store_slice(&mut lengths[at.clone()]);
         }
         let off_ray = noise + f32x16::splat(simd, leaf.fit_error()) + weighted;
         let slope_noise = noise + noise + f32x16::splat(simd, leaf.slope_error());
         weighted.compress(chosen).store_slice(&mut self.errors[0][at.clone()]);
         off_ray.compress(chosen).store_slice(&mut self.errors[1][at.clone()]);
         slope_noise.compress(chosen).store_slice(&mut self.errors[2][at]);
-        for k in set_bits(known) {
-            self.pairs[self.count] = Doubt { ray: base + k, leaf: target.index, entry: entry[k] };
+        for lane in set_bits(known) {
+            let ray = base + lane;
+            let distances = &mut self.distances[self.count];
+            for k in 0..2 {
+                let middle = middle[k][lane];
+                one_lane(simd, fitted, rays, (k, lane), middle).store_slice(&mut distances[k]);
+            }
+            self.pairs[self.count] = Doubt { ray, leaf: target.index, entry: entry[lane] };
             self.count += 1;
         }
         lanes & !known
@@ -135,8 +144,12 @@ impl Doubts {
         let count = self.count.min(LANES);
         let mut distances = LaneDistances::default();
         for k in 0..2 {
-            for m in 0..16 {
-                first(simd, &mut self.distances[k][m]).store_slice(&mut distances.of[k][m]);
+            let mut rows = [f32x16::splat(simd, 0.0); LANES];
+            for (row, pair) in rows.iter_mut().zip(&self.distances) {
+                *row = f32x16::from_slice(simd, &pair[k]);
+            }
+            for (column, to) in transposed(rows).into_iter().zip(&mut distances.of[k]) {
+                column.store_slice(to);
             }
         }
         let [error, off_ray, slope_noise] = &mut self.errors;
@@ -150,6 +163,7 @@ impl Doubts {
         let mut pairs = [Doubt::default(); LANES];
         pairs[..count].copy_from_slice(&self.pairs[..count]);
         self.pairs.copy_within(count..self.count, 0);
+        self.distances.copy_within(count..self.count, 0);
         self.count -= count;
         Taken { pairs, count, distances, errors, lengths }
     }
@@ -161,4 +175,70 @@ fn first<S: Simd>(simd: S, numbers: &mut [f32; ROOM]) -> f32x16<S> {
     let first = f32x16::from_slice(simd, &numbers[..LANES]);
     f32x16::from_slice(simd, &numbers[LANES..]).store_slice(&mut numbers[..LANES]);
     first
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::geometry::shapes;
+    use crate::intersect::level::dispatch;
+    use crate::intersect::wide::packet::box_crossing::cross_box;
+    use crate::intersect::wide::packet::load::{find_planes, load};
+    use crate::intersect::wide::weighted_hills;
+    use crate::intersect::{Kernel, Query, SurfaceBvh};
+    use crate::math::Ray;
+
+    /// Pairs of the rays with one leaf, and then with another, come back in this order, with the
+    /// distances that all rays of their leaf have, computed side by side.
+    #[test]
+    fn pairs_keep_the_distances_of_their_ray_and_leaf() {
+        let queries: Vec<Query> = (0..LANES)
+            .map(|k| {
+                let turn = 0.4 * k as f64;
+                let along = DVec3::new(turn.sin(), (0.7 * turn).cos(), -1.0 - 0.1 * turn);
+                Query::primary(Ray::new(DVec3::new(0.3, 0.2, 4.0), along).unwrap())
+            })
+            .collect();
+        let surfaces =
+            [shapes::torus(2.0, 0.5).unwrap(), shapes::red_book_patch(), weighted_hills()];
+        for surface in surfaces {
+            let bvh = SurfaceBvh::build(&[surface]).unwrap();
+            let view = bvh.view();
+            let mut packet = Packet::default();
+            let mut doubts = Doubts::default();
+            let leaves = [(0, 0b0110_1101_1011_0111), (bvh.leaves.len() as u32 - 1, 0xffff)];
+            dispatch!(Kernel::best_level(), simd => {
+                load(simd, &mut packet, &queries, &view);
+                find_planes(simd, &mut packet);
+                let mut expected = Vec::new();
+                for (index, lanes) in leaves {
+                    let oriented = view.tree.oriented(index);
+                    let target = Target::new(&view, &oriented, index);
+                    let crossing = cross_box(simd, &oriented, &packet.scaled, 0);
+                    let error = f32x16::splat(simd, 1e-6);
+                    let mut distances = LaneDistances::default();
+                    distances.take(simd, target.fitted(), packet.sixteen(0));
+                    let left = doubts.put(simd, &target, &packet, &crossing, Asked { lanes, error });
+                    assert_eq!(left, 0);
+                    expected.extend(set_bits(lanes).map(|lane| (lane, index, distances.clone())));
+                }
+                let mut expected = expected.into_iter();
+                while !doubts.is_empty() {
+                    let taken = doubts.take(simd);
+                    for (place, pair) in taken.pairs[..taken.count].iter().enumerate() {
+                        let (lane, index, distances) = expected.next().unwrap();
+                        assert_eq!((pair.ray, pair.leaf), (lane, index));
+                        for (of_pair, of_ray) in taken.distances.of.iter().zip(&distances.of) {
+                            for (m, of_ray) in of_ray.iter().enumerate() {
+                                assert_eq!(of_pair[m][place], of_ray[lane], "{m} of {pair:?}");
+                            }
+                        }
+                    }
+                }
+                assert!(expected.next().is_none());
+            });
+        }
+    }
 }

@@ -130,11 +130,6 @@ fn search_group<S: Simd, Q>(
         return false;
     }
     let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
-    // Flat leaves need no search in f32.
-    let known = !target.leaf.is_flat() || doubted != 0;
-    if known {
-        work.distances.take(simd, target.fitted(), packet.sixteen(base));
-    }
     let mut done = Done::default();
     if certain != 0 {
         let asked = Asked { lanes: certain, error };
@@ -143,11 +138,8 @@ fn search_group<S: Simd, Q>(
     }
     let mut undecided = done.undecided;
     if doubted != 0 {
-        if !known {
-            work.distances.take(simd, target.fitted(), packet.sixteen(base));
-        }
         let asked = Asked { lanes: doubted, error };
-        undecided |= work.doubts.put(simd, target, &work.distances, packet, crossing, asked);
+        undecided |= work.doubts.put(simd, target, packet, crossing, asked);
     }
     work.statistics.newton_iterations += u64::from(done.steps);
     work.leave(base, undecided, target.index);
@@ -174,6 +166,7 @@ fn search_certified<S: Simd, Q>(
     // none.
     let is_flat = target.leaf.is_flat();
     let near = if !is_flat {
+        work.distances.take(simd, target.fitted(), packet.sixteen(base));
         Some(work.distances.newton(simd, start, [[-widened, widened]; 2]))
     } else if packet.wanted == Wanted::Any {
         Some(step_from_middle(simd, target.fitted(), packet.sixteen(base), widened))

@@ -216,27 +216,16 @@ impl LaneDistances {
 #[simd]
 pub(crate) fn step_from_middle<S: Simd>(
     simd: S,
-    Fitted { leaf, weight }: Fitted<'_>,
+    fitted: Fitted<'_>,
     rays: RaySixteen<'_>,
     widened: f32x16<S>,
 ) -> NearRoots<S> {
-    let middle = middle_distances(simd, leaf, rays);
+    let middle = middle_distances(simd, fitted.leaf, rays);
     let normals = rays.normals(simd);
-    let [x, y, z] = leaf.fit();
-    // The values in the middle, and the slopes by `x` and `y`. Loops, as closures are not inlined.
-    let mut sums = [middle; 3];
-    for (sum, m) in sums.iter_mut().zip([0, 4, 1]) {
-        let (x, y, z) =
-            (f32x16::splat(simd, x[m]), f32x16::splat(simd, y[m]), f32x16::splat(simd, z[m]));
-        let one_or_none = if m == 0 { 1.0 } else { 0.0 };
-        let weight = f32x16::splat(simd, weight.map_or(one_or_none, |weight| weight[m]));
-        for k in 0..2 {
-            let n = normals[k];
-            let c = n[2].mul_add(z, n[1].mul_add(y, n[0] * x));
-            sum[k] = weight.mul_add(middle[k], c);
-        }
-    }
-    let [distances, by_x, by_y] = sums;
+    // The values in the middle, and the slopes by `x` and `y`.
+    let distances = coefficient(simd, fitted, 0, middle, &normals);
+    let by_x = coefficient(simd, fitted, 4, middle, &normals);
+    let by_y = coefficient(simd, fitted, 1, middle, &normals);
     let last = LastStep::new(simd, [f32x16::splat(simd, 0.0); 2], distances, [by_x, by_y]);
     let [x, y] = last.to;
     let near = [x.max(-widened).min(widened), y.max(-widened).min(widened)];
@@ -333,9 +322,73 @@ fn value<S: Simd>(simd: S, lanes: &[[f32; LANES]; 16], x: f32x16<S>, y: f32x16<S
     row[3].mul_add(y, row[2]).mul_add(y, row[1]).mul_add(y, row[0])
 }
 
+/// The distances of a leaf's approximation from sixteen rays in its middle, where `middle` are those
+/// of the point that the approximation is relative to.
+#[inline(always)]
+pub(crate) fn in_middle<S: Simd>(
+    simd: S,
+    fitted: Fitted<'_>,
+    middle: [f32x16<S>; 2],
+    rays: RaySixteen<'_>,
+) -> [f32x16<S>; 2] {
+    coefficient(simd, fitted, 0, middle, &rays.normals(simd))
+}
+
+/// The coefficient `m` of the distances of a leaf's approximation from sixteen rays.
+#[inline(always)]
+fn coefficient<S: Simd>(
+    simd: S,
+    Fitted { leaf, weight }: Fitted<'_>,
+    m: usize,
+    middle: [f32x16<S>; 2],
+    normals: &[[f32x16<S>; 3]; 2],
+) -> [f32x16<S>; 2] {
+    let [x, y, z] = leaf.fit();
+    let (x, y, z) =
+        (f32x16::splat(simd, x[m]), f32x16::splat(simd, y[m]), f32x16::splat(simd, z[m]));
+    let one_or_none = if m == 0 { 1.0 } else { 0.0 };
+    let weight = f32x16::splat(simd, weight.map_or(one_or_none, |weight| weight[m]));
+    let mut of = middle;
+    for k in 0..2 {
+        let n = &normals[k];
+        let c = n[2].mul_add(z, n[1].mul_add(y, n[0] * x));
+        of[k] = weight.mul_add(middle[k], c);
+    }
+    of
+}
+
+/// All sixteen coefficients of the distance of a leaf's approximation from the `k`-th plane of one
+/// of sixteen rays: what [`LaneDistances::take`] puts into its lane. `middle` is the distance of the
+/// point that the approximation is relative to.
+#[inline(always)]
+pub(crate) fn one_lane<S: Simd>(
+    simd: S,
+    Fitted { leaf, weight }: Fitted<'_>,
+    rays: RaySixteen<'_>,
+    (k, lane): (usize, usize),
+    middle: f32,
+) -> f32x16<S> {
+    let [x, y, z] = leaf.fit();
+    let row = |row: &[f32; 16]| f32x16::from_slice(simd, row);
+    let n = |axis: usize| f32x16::splat(simd, rays.scaled.normals[k][axis][rays.base + lane]);
+    let c = n(2).mul_add(row(z), n(1).mul_add(row(y), n(0) * row(x)));
+    row(weight.unwrap_or(&ONE)).mul_add(f32x16::splat(simd, middle), c)
+}
+
+/// The weight where there is none.
+const ONE: [f32; 16] = {
+    let mut one = [0.0; 16];
+    one[0] = 1.0;
+    one
+};
+
 /// The distances of the leaf's middle from the rays' planes, computed in f64.
 #[simd]
-fn middle_distances<S: Simd>(simd: S, leaf: &Leaf, rays: RaySixteen<'_>) -> [f32x16<S>; 2] {
+pub(crate) fn middle_distances<S: Simd>(
+    simd: S,
+    leaf: &Leaf,
+    rays: RaySixteen<'_>,
+) -> [f32x16<S>; 2] {
     let [a1, a2] = half_distances(simd, leaf, rays.rays, rays.base);
     let [b1, b2] = half_distances(simd, leaf, rays.rays, rays.base + 8);
     [simd.narrow_f64x8(a1, b1), simd.narrow_f64x8(a2, b2)]
