@@ -17,7 +17,7 @@ use crate::intersect::wide::frames::transposed;
 use crate::intersect::wide::proof::bounds::{DISTANCE_ROUNDING, LARGEST};
 use crate::intersect::wide::proof::lanes::Errors;
 use crate::intersect::wide::search::distances::{
-    LaneDistances, in_middle, middle_distances, one_lane, terms,
+    LaneDistances, coefficients_of_lane, distances_in_middle, middle_distances, terms,
 };
 use crate::intersect::wide::vectors::lane_bits;
 use crate::math::bits::set_bits;
@@ -107,7 +107,7 @@ impl Doubts {
         let leaf = target.leaf;
         let (fitted, rays) = (target.fitted(), packet.sixteen(base));
         let middle = middle_distances(simd, leaf, rays);
-        let terms = terms(simd, fitted, in_middle(simd, fitted, middle, rays), rays);
+        let terms = terms(simd, fitted, distances_in_middle(simd, fitted, middle, rays), rays);
         let weighted = error * f32x16::splat(simd, fitted.heaviest());
         let noise = terms * f32x16::splat(simd, DISTANCE_ROUNDING);
         let [x, y] = leaf.half_side_lengths();
@@ -130,7 +130,8 @@ impl Doubts {
             let distances = &mut self.distances[self.count];
             for k in 0..2 {
                 let middle = middle[k][lane];
-                one_lane(simd, fitted, rays, (k, lane), middle).store_slice(&mut distances[k]);
+                coefficients_of_lane(simd, fitted, rays, (k, lane), middle)
+                    .store_slice(&mut distances[k]);
             }
             self.pairs[self.count] = Doubt { ray, leaf: target.index, entry: entry[lane] };
             self.count += 1;

@@ -325,7 +325,7 @@ fn value<S: Simd>(simd: S, lanes: &[[f32; LANES]; 16], x: f32x16<S>, y: f32x16<S
 /// The distances of a leaf's approximation from sixteen rays in its middle, where `middle` are those
 /// of the point that the approximation is relative to.
 #[inline(always)]
-pub(crate) fn in_middle<S: Simd>(
+pub(crate) fn distances_in_middle<S: Simd>(
     simd: S,
     fitted: Fitted<'_>,
     middle: [f32x16<S>; 2],
@@ -361,7 +361,7 @@ fn coefficient<S: Simd>(
 /// of sixteen rays: what [`LaneDistances::take`] puts into its lane. `middle` is the distance of the
 /// point that the approximation is relative to.
 #[inline(always)]
-pub(crate) fn one_lane<S: Simd>(
+pub(crate) fn coefficients_of_lane<S: Simd>(
     simd: S,
     Fitted { leaf, weight }: Fitted<'_>,
     rays: RaySixteen<'_>,
