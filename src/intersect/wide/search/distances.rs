@@ -322,8 +322,8 @@ fn value<S: Simd>(simd: S, lanes: &[[f32; LANES]; 16], x: f32x16<S>, y: f32x16<S
     row[3].mul_add(y, row[2]).mul_add(y, row[1]).mul_add(y, row[0])
 }
 
-/// The distances of a leaf's approximation from sixteen rays in its middle, where `middle` are those
-/// of the point that the approximation is relative to.
+/// The distances of a leaf's approximation from sixteen rays in its middle, where `middle` are
+/// those of the point that the approximation is relative to.
 #[inline(always)]
 pub(crate) fn distances_in_middle<S: Simd>(
     simd: S,
@@ -346,8 +346,7 @@ fn coefficient<S: Simd>(
     let [x, y, z] = leaf.fit();
     let (x, y, z) =
         (f32x16::splat(simd, x[m]), f32x16::splat(simd, y[m]), f32x16::splat(simd, z[m]));
-    let one_or_none = if m == 0 { 1.0 } else { 0.0 };
-    let weight = f32x16::splat(simd, weight.map_or(one_or_none, |weight| weight[m]));
+    let weight = f32x16::splat(simd, weight.unwrap_or(&ONE)[m]);
     let mut of = middle;
     for k in 0..2 {
         let n = &normals[k];
@@ -358,8 +357,8 @@ fn coefficient<S: Simd>(
 }
 
 /// All sixteen coefficients of the distance of a leaf's approximation from the `k`-th plane of one
-/// of sixteen rays: what [`LaneDistances::take`] puts into its lane. `middle` is the distance of the
-/// point that the approximation is relative to.
+/// of sixteen rays: what [`LaneDistances::take`] puts into its lane. `middle` is the distance of
+/// the point that the approximation is relative to.
 #[inline(always)]
 pub(crate) fn coefficients_of_lane<S: Simd>(
     simd: S,
