@@ -108,12 +108,25 @@ pub(crate) fn models() -> Vec<Model> {
     ] {
         models.push(Model::one(name, trimmed(surface)));
     }
+    models.push(Model::new("strips", strip_and_elevated()));
     models.push(Model::new("octant sphere", patches::octants()));
     models.push(Model::body("body", patches::catmull_clark()));
     models.push(Model::body("creased body", patches::creased()).creased());
     models.push(Model::body("Doo–Sabin body", patches::doo_sabin()));
     models.push(Model::one("creased sheet", patches::creased_sheet()).creased());
     models
+}
+
+/// A flat rational strip of degree 3 × 1, and beside it the same strip with that degree raised to 4:
+/// both are evaluated alike, but only the first has leaves that are approximated by quotients.
+fn strip_and_elevated() -> Vec<Surface> {
+    let knots = |degree| KnotVector::clamped_uniform(degree, degree + 1).unwrap();
+    let points = (0..8).map(|k| DVec3::new((k / 2) as f64, 3.0 * (k % 2) as f64, 0.0));
+    let weights = (0..8).map(|k| 1.0 + 0.25 * (k / 2) as f64).collect();
+    let strip = NurbsSurface::new(knots(3), knots(1), points.collect(), Some(weights)).unwrap();
+    let aside = DAffine3::from_translation(DVec3::new(4.0, 0.0, 0.0));
+    let elevated = strip.elevated_u(1).unwrap().transformed(&aside).unwrap();
+    [strip, elevated].map(Surface::from).into()
 }
 
 /// The size of the smallest body of [`small_in_large`].

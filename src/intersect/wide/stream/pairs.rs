@@ -297,7 +297,7 @@ impl PairLanes {
                 rows[lane] = nz.mul_add(f32x16::from_slice(simd, z), sum);
             }
             let middle = simd.narrow_f64x8(middle[k][0], middle[k][1]);
-            // All leaves are of one form: all have weights, or none.
+            // All leaves are of one form: if one is approximated by a quotient, all are.
             let weighted = leaves[0].weight.is_some();
             if weighted {
                 let mut of_lane = [0.0; LANES];

@@ -1,17 +1,19 @@
-//! The form of a piece's sums: their degrees, how many numbers a point has, and of which functions
-//! they are.
+//! The form of a piece: the degrees of its sums, how many numbers a point has, of which functions
+//! they are, and how its leaves are approximated.
 
 use crate::math::bernstein;
 use crate::patch::{MOST_DEGREE_BY_POWERS, TensorPatch};
 
-/// The degrees of a piece's sums, whether its weights differ, and whether its sums are made by
-/// powers. Pieces of one form can be searched side by side. Their own degrees, and so their error
-/// bounds, may differ.
+/// The degrees of a piece's sums, whether its weights differ, whether its sums are made by powers,
+/// and whether its leaves are approximated by quotients. Pieces of one form can be searched side by
+/// side. Their own degrees, and so their error bounds, may differ: sums of a piece whose degree was
+/// elevated have the degree from before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Form {
     degree: [u8; 2],
     pub rational: bool,
     pub by_powers: bool,
+    pub by_quotients: bool,
 }
 
 /// The nets of pieces of higher degrees are too large to hold eight of them side by side.
@@ -22,7 +24,7 @@ const _: () = assert!(bernstein::MAX_DEGREE <= u8::MAX as usize);
 impl Default for Form {
     /// The form of bilinear pieces.
     fn default() -> Self {
-        Self { degree: [1, 1], rational: false, by_powers: false }
+        Self { degree: [1, 1], rational: false, by_powers: false, by_quotients: false }
     }
 }
 
@@ -31,7 +33,12 @@ impl Form {
     #[inline(always)]
     pub(crate) fn of(patch: &TensorPatch) -> Self {
         let degree = patch.sums_degree().map(|degree| degree as u8);
-        Self { degree, rational: patch.is_rational(), by_powers: patch.sums_by_powers() }
+        Self {
+            degree,
+            rational: patch.is_rational(),
+            by_powers: patch.sums_by_powers(),
+            by_quotients: patch.has_quotient_leaves(),
+        }
     }
 
     /// The form of a piece, if pairs can have it.
