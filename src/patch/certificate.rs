@@ -73,8 +73,9 @@ use crate::math::rounded::{Near16, Up8, Up16};
 /// # What rounding costs
 /// The points of a leaf's net are cut out of the piece's twice, the second time a little beyond the
 /// leaf; the error allowed for them is that of computed points, which takes roundings to have
-/// random signs, as the exact solver does. A pessimistic count exceeds it from degree seven on.
-/// That matters only where a leaf is no more than some thousand times as large as that error.
+/// random signs, as the exact solver does. A pessimistic count exceeds it where both degrees add up
+/// to more than eight (for pairs, from degree seven on). That matters only where a leaf is no more
+/// than some thousand times as large as that error.
 ///
 /// `A` and `B` are taken with 2 % to spare, so that with `cos θ` short for `|N·d|`
 /// `|d·(ā × b̄)| ≥ 0.019 cos θ α₁ β₂ |a₀ × b₀| m` (for pairs, with half their least `m` in place of

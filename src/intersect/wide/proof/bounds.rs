@@ -5,9 +5,10 @@ use crate::patch::LEAF_SLACK;
 
 /// Rounding error in f32 of distances whose terms add up to one: 33 units of 2⁻²⁴. A coefficient
 /// takes 6 roundings (the middle's distance, a normal, three products added up), the change to a
-/// smaller box 5 in each direction, the combination of two distances 3, and Bernstein coefficients
-/// 4 in each direction: 27 in all. Derivatives may take twice as many: a term of third degree
-/// counts threefold there, but only part of the roundings above occur.
+/// smaller box 6 in each direction (5 where products are added in one rounding), the combination of
+/// two distances 3, and Bernstein coefficients 4 in each direction: 29 in all. Derivatives may take
+/// twice as many: a term of third degree counts threefold there, but only part of the roundings
+/// above occur.
 pub(crate) const DISTANCE_ROUNDING: f32 = 2e-6;
 
 /// Below this, f32 loses digits: products of two lengths of a tiny scene may lie there.

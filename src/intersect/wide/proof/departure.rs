@@ -22,9 +22,13 @@
 //!   leaf bends away from the ray. `ε` bounds how far `N` is from being perpendicular to the
 //!   tangents at `y₁`. At the stated start `N` is perpendicular to them, except for rounding; from
 //!   there to `y₁` they change by at most the norm of the second derivatives times the distance of
-//!   the two places. This distance is at most `stretch` times that of their points, which is the
-//!   distance of the ray's origin from the point of the stated start, over the cosine. (All of
-//!   these bounds hold a little outside the leaf, so this distance must not be large.)
+//!   the two places. This distance is at most `stretch` times that of their points, `D`. Let `r` be
+//!   the distance of the ray's origin from the point of the stated start, and `c` the cosine. If
+//!   the surface were the plane there, `D` would be `r / c` at most; it leaves the plane by at most
+//!   `½ κ D²`, so `D ≤ r / c + ½ κ D² / c`. Where `2 κ r < c²`, as is asked for, this leaves a gap
+//!   from `2 r / c` to `c / κ`, and as the origin moves from that point to its place, the root
+//!   moves from there and stays below the gap. (All of these bounds hold a little outside the leaf,
+//!   so this distance must not be large.)
 //! - Or `Λ` is the second derivative in the one direction that `Δ` can have, up to a small angle.
 //!   Let `m` be the unit vector across the ray in the tangent plane: `m · (S(y) − S(y₁))` is zero.
 //!   The approximation's value differs from `g · Δ` by at most the sum of what its own second
@@ -138,10 +142,10 @@ impl<S: Simd> Departure<S> {
         let most =
             f32x16::splat(simd, ALMOST * weights.least / stretch) * plane.cosine - errors.slopes;
 
-        // How much slopes may differ from those at the stated start, per unit of the origin's
-        // distance from there.
-        let moved = f32x16::splat(simd, stretch) / plane.cosine;
-        let weight_turned = f32x16::splat(simd, weights.slope) / plane.cosine;
+        // How far the root may be from the stated start, and how much slopes may differ, per unit
+        // of the origin's distance from there.
+        let moved = f32x16::splat(simd, 2.0 * stretch) / plane.cosine;
+        let weight_turned = f32x16::splat(simd, 2.0 * weights.slope) / plane.cosine;
         let turned = moved.mul_add(bends.norm(), weight_turned);
 
         // In any direction; the effect of the normal's rounding on that is a part of the norm.
@@ -238,28 +242,38 @@ mod tests {
     use crate::intersect::Kernel;
     use crate::intersect::level::dispatch;
     use crate::intersect::wide::weighted_hills;
-    use crate::intersect::{Hit, Query, Root, SurfaceBvh};
+    use crate::intersect::{Hit, Query, SurfaceBvh};
     use crate::math::Ray;
     use crate::math::testing::same_cases;
 
     /// A ray that leaves a leaf, and what is proved of it.
     struct Leaving {
         said: Final,
-        /// Whether the exact solver meets the leaf ahead.
+        /// Whether the exact solver meets the leaf farther along the ray than at the root nearest
+        /// to the stated start.
         meets_again: bool,
     }
 
-    /// A ray from box coordinates `place` of a leaf, at an angle to the normal with this cosine,
-    /// which may be negative; `turn` is an angle about the normal.
-    fn leaving(
-        bvh: &SurfaceBvh,
-        leaf: usize,
+    /// How rays leave a leaf.
+    #[derive(Clone, Copy, Debug)]
+    struct Way {
+        /// The stated start, in box coordinates.
         place: [f64; 2],
-        (cosine, turn): (f64, f64),
-    ) -> Leaving {
+        /// The cosine of the angle to the normal, which may be negative, and an angle about it.
+        cosine: f64,
+        turn: f64,
+        /// How far the origin is from the surface's point at the start, and where: along the
+        /// normal, which may be negative, and across.
+        reach: f64,
+        height: f64,
+        around: f64,
+    }
+
+    fn leaving(bvh: &SurfaceBvh, leaf: usize, way: Way) -> Leaving {
         let index = leaf as u32;
         let leaf = &bvh.leaves[leaf];
         let piece = &bvh.patches().pieces()[leaf.piece as usize];
+        let Way { place, cosine, turn, reach, height, around } = way;
         let at = |k: usize| {
             let [from, to] = leaf.rect()[k];
             0.5 * ((from + to) + place[k] * (to - from))
@@ -268,8 +282,12 @@ mod tests {
         let jet = piece.patch.jet(st);
         let normal = jet.ds.cross(jet.dt).normalize();
         let (a, b) = normal.any_orthonormal_pair();
-        let sine = (1.0 - cosine * cosine).sqrt();
-        let direction = cosine * normal + sine * (turn.cos() * a + turn.sin() * b);
+        let tilted = |cosine: f64, turn: f64| {
+            let sine = (1.0 - cosine * cosine).sqrt();
+            cosine * normal + sine * (turn.cos() * a + turn.sin() * b)
+        };
+        let direction = tilted(cosine, turn);
+        let origin = jet.point + reach * tilted(height, around);
 
         let level = Kernel::best_level();
         let view = bvh.view();
@@ -279,27 +297,31 @@ mod tests {
             let splat3 = |v: DVec3| [splat(v.x), splat(v.y), splat(v.z)];
             Departure {
                 place: [splat(place[0]), splat(place[1])],
-                origin: splat3(jet.point - leaf.middle),
+                origin: splat3(origin - leaf.middle),
                 axis: splat3(direction),
-                reach: splat(1e-14),
+                reach: splat(1.001 * reach + 1e-14),
             }
             .is_final(simd, fitted)
         });
 
-        let root = Root { set: bvh.set.id(), piece: leaf.piece, cosine: 1.0, st, error: 1e-14 };
-        let ray = Ray::new(jet.point, direction).unwrap();
+        // The whole line, so that the root that is left is among its hits.
+        let ray = Ray::with_range(origin, direction, -9.0, f64::INFINITY).unwrap();
         let mut hits: Vec<Hit> = Vec::new();
-        let _ = bvh.tracer().exact_all_hits(&Query { ray, from: Some(root) }, &mut hits);
+        let _ = bvh.tracer().exact_all_hits(&Query::primary(ray), &mut hits);
+        hits.retain(|hit| hit.root.piece == leaf.piece);
+        let apart = |hit: &Hit| hit.root.st.distance(st);
+        let left = hits.iter().min_by(|a, b| apart(a).total_cmp(&apart(b))).copied();
         let rect = leaf.rect();
         let inside = |st: DVec2| (0..2).all(|k| rect[k][0] <= st[k] && st[k] <= rect[k][1]);
-        let meets_again =
-            hits.iter().any(|hit| hit.root.piece == leaf.piece && inside(hit.root.st));
+        let meets_again = left.is_some_and(|left| {
+            hits.iter().any(|hit| hit.t > left.t + 1e-9 && inside(hit.root.st))
+        });
         Leaving { said, meets_again }
     }
 
-    /// Rays leave a sphere, a stout and a thin torus, and hills, anywhere. None that meets its leaf
-    /// again is proved final; all that leave the sphere outwards are, except at a cosine below 1e-2
-    /// or on a leaf with a stretch above 2.
+    /// Rays leave a sphere, a stout and a thin torus, and hills, anywhere, on the surface or beside
+    /// it. None that meets its leaf again is proved final; all that leave the sphere itself outwards
+    /// are, except at a cosine below 1e-2 or on a leaf with a stretch above 2.
     #[test]
     fn only_what_is_not_met_again_is_final() {
         let sphere = SurfaceBvh::build(&[shapes::sphere(1.0).unwrap()]).unwrap();
@@ -308,10 +330,18 @@ mod tests {
         let hills = SurfaceBvh::build(&[weighted_hills()]).unwrap();
         let met_again = Cell::new(0);
         let proved = [Cell::new(0), Cell::new(0), Cell::new(0), Cell::new(0)];
-        let config = same_cases(20_000);
-        let rays =
-            (0usize.., -1.19..1.19f64, -1.19..1.19f64, -6.0..0.0f64, any::<bool>(), 0.0..6.3f64);
-        proptest!(config, |((k, x, y, size, inwards, turn) in rays)| {
+        let proved_beside = Cell::new(0);
+        let config = same_cases(30_000);
+        let place = || -1.19..1.19f64;
+        let reach = prop_oneof![
+            Just(0.0),
+            // About where half of the rays are still proved to be final, and anywhere below.
+            (-1.5..0.5f64).prop_map(|size| 10f64.powf(size)),
+            (-9.0..0.0f64).prop_map(|size| 10f64.powf(size)),
+        ];
+        let ways = (place(), place(), -6.0..0.0f64, any::<bool>(), 0.0..6.3f64);
+        let ways = (0usize.., ways, reach, -1.0..1.0f64, 0.0..6.3f64);
+        proptest!(config, |((k, (x, y, size, inwards, turn), reach, height, around) in ways)| {
             for (m, bvh) in [&sphere, &torus, &ring, &hills].into_iter().enumerate() {
                 let index = k % bvh.leaves.len();
                 let leaf = &bvh.leaves[index];
@@ -323,17 +353,24 @@ mod tests {
                 if leaf.pole(piece).is_some() || !on_piece {
                     continue;
                 }
-                let Leaving { said, meets_again } = leaving(bvh, index, [x, y], (cosine, turn));
+                // In units of the distance from where the surface may bend away from the ray.
+                let reach = reach * cosine * cosine * [1.0, 0.4, 0.03, 1.0][m];
+                let way = Way { place: [x, y], cosine, turn, reach, height, around };
+                let Leaving { said, meets_again } = leaving(bvh, index, way);
                 let said = (said.surely | said.if_near) & 1 != 0;
-                prop_assert!(!(said && meets_again), "leaf {k} at {x}, {y}, {cosine}, {turn}");
+                prop_assert!(!(said && meets_again), "leaf {index} of {m}: {way:?}");
                 met_again.set(met_again.get() + u32::from(meets_again));
                 proved[m].set(proved[m].get() + u32::from(said));
+                let material = reach > 0.05 * cosine * cosine * [1.0, 0.4, 0.03, 1.0][m];
+                proved_beside.set(proved_beside.get() + u32::from(said && material));
                 // Outside the sphere nothing is met again.
-                let clear = m > 0 || inwards || leaf.stretch() > 2.0 || cosine < 1e-2;
-                prop_assert!(said || clear, "leaf {k} at {x}, {y}, {cosine}, {turn}");
+                let beside = reach > 0.0;
+                let clear = m > 0 || inwards || leaf.stretch() > 2.0 || cosine < 1e-2 || beside;
+                prop_assert!(said || clear, "leaf {index} of {m}: {way:?}");
             }
         });
-        assert!(met_again.get() > 500, "{met_again:?}");
+        let [met_again, beside] = [met_again.get(), proved_beside.get()];
+        assert!(met_again > 500 && beside > 500, "{met_again} {beside}");
         assert!(proved[0].get() > 5_000 && proved[1].get() > 4_000, "{proved:?}");
         assert!(proved[2].get() > 4_000 && proved[3].get() > 3_000, "{proved:?}");
     }

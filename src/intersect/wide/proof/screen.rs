@@ -99,9 +99,10 @@ impl<S: Simd> Screen<'_, S> {
         let ([[a1, a2], [b1, b2]], [[xx, xy], [yx, yy]]) = (slopes, inverse);
         let leaf = self.leaf;
 
-        // Distances take twelve roundings of coefficients and sums; derivatives, of three times the
-        // size, take as many. The roundings of the step and of what it leaves are small compared
-        // with the slack given to it (`per_move`, `MOST_OFF`).
+        // Distances take twelve roundings of coefficients and sums, or eighteen where products are
+        // not added in one rounding; derivatives, of three times the size, take as many. The
+        // roundings of the step and of what it leaves are small compared with the slack given to it
+        // (`per_move`, `MOST_OFF`).
         let noise = self.terms * f32x16::splat(simd, DISTANCE_ROUNDING);
         let off = noise + f32x16::splat(simd, leaf.fit_error()) + self.error;
         let per_move =

@@ -183,7 +183,7 @@ impl LaneDistances {
             let [f1, a1, b1] = evaluate::<S, N>(simd, &self.of[0], x, y);
             let [f2, a2, b2] = evaluate::<S, N>(simd, &self.of[1], x, y);
             last = LastStep::new(simd, [x, y], [f1, f2], [[a1, a2], [b1, b2]]);
-            // `max` with a bound turns a NaN into that bound.
+            // NaN becomes a bound, or stays: then nothing converges.
             x = last.to[0].max(low_x).min(high_x);
             y = last.to[1].max(low_y).min(high_y);
         }

@@ -217,7 +217,8 @@ fn beyond_piece<S: Simd, T: Leaves<S>, R: Rays<S>>(
     over_s.max(over_t).simd_gt(leaves.clearance(simd, rays))
 }
 
-/// Moves places into the domain with at most one root; NaN becomes a bound.
+/// Moves places into the domain with at most one root; NaN becomes a bound, or stays: then nothing
+/// converges.
 #[inline(always)]
 fn within<S: Simd>([s, t]: [f64x8<S>; 2], domain: [f64x8<S>; 4]) -> [f64x8<S>; 2] {
     [s.max(domain[0]).min(domain[1]), t.max(domain[2]).min(domain[3])]
@@ -252,7 +253,8 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     // Converged where the residual is within the error, or will be after this step, as far as
     // rounding allows. (A step from a place that is within the error leaves next to nothing of the
     // residual: the step is no longer than half the leaf's slack, and no certificate holds for rays
-    // that are flatter than the surface turns along the step.)
+    // that are flatter than the surface turns along the step. A ray's own proof bounds both alike:
+    // see `MOST_NOISE`.)
     let error = rays.error();
     let (residual, squared) = (f1.mul_add(f1, f2 * f2), error * error);
     let close = residual.simd_le(squared);
