@@ -1,7 +1,8 @@
 //! The answer for a ray does not depend on the other rays of a batch.
 
-use glam::DVec3;
-use nurbray::geometry::{KnotVector, NurbsSurface, Surface};
+use glam::{DVec2, DVec3};
+use nurbray::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims, UvBox};
+use nurbray::geometry::{KnotVector, NurbsSurface, Surface, TrimmedSurface};
 use nurbray::intersect::{Coherence, Kernel, Query, SurfaceBvh};
 use nurbray::math::Ray;
 
@@ -82,6 +83,60 @@ fn nor_does_that_of_a_ray_of_which_not_all_is_proved() {
         queries.push(Query::primary(ray));
     }
     in_any_company("cubic sheet", &bvh, &queries, &mut random);
+}
+
+/// Chords of sheets that lie on each other, with one end at an edge of trims: whether that end counts
+/// is known only once the nearer one is found, and on which sheet it is found first depends on the
+/// other rays.
+#[test]
+fn nor_does_that_of_chords_that_end_at_a_trim_edge() {
+    let mut random = Random::new(12);
+    let knots = |degree| KnotVector::bezier(degree).unwrap();
+    let point = |u: f64, v: f64| DVec3::new(u, 2.0 * v - 1.0, 2.4 * v * (1.0 - v));
+    let arch = [(-1.0, 0.0), (0.0, 1.2), (1.0, 0.0)];
+    let arch = [0.0, 1.0].map(|x| arch.map(|(y, z)| DVec3::new(x, y, z))).concat();
+    let arch = NurbsSurface::new(knots(1), knots(2), arch, None).unwrap();
+    for scene in 0..8 {
+        let mut range = || {
+            let [a, b] = [(); 2].map(|()| (random.unit() * 8.0).floor());
+            [a.min(b) / 8.0, (a.max(b) + 1.0) / 8.0]
+        };
+        let holes: [UvBox; 4] = std::array::from_fn(|_| UvBox::new(range(), range()));
+        let surfaces: Vec<Surface> = holes
+            .iter()
+            .enumerate()
+            .map(|(k, &hole)| {
+                let sheet = if k == 0 { arch.clone() } else { arch.elevated_v(k).unwrap() };
+                let kept = if random.unit() < 0.5 { Kept::Even } else { Kept::Odd };
+                let domain = TrimDomain::of(&sheet).unwrap();
+                let trims =
+                    Trims::new(domain, kept, &[TrimLoop::rectangle(hole).unwrap()]).unwrap();
+                TrimmedSurface::new(sheet, trims).unwrap().into()
+            })
+            .collect();
+        let queries: Vec<Query> = (0..600)
+            .map(|k| {
+                let UvBox { min, max } = holes[k % 4];
+                let at = DVec2::new(random.unit(), random.unit());
+                // A corner, or a point of a side.
+                let side = DVec2::select(at.cmplt(DVec2::splat(0.5)), min, max);
+                let within = min + at * (max - min);
+                let end = match k % 3 {
+                    0 => side,
+                    1 => DVec2::new(side.x, within.y),
+                    _ => DVec2::new(within.x, side.y),
+                };
+                let [from, to] =
+                    [DVec2::new(random.unit(), random.unit()), end].map(|uv| point(uv.x, uv.y));
+                let sign = if random.unit() < 0.5 { 1.0 } else { -1.0 };
+                let direction = sign * (to - from);
+                let origin = from - (1.0 + 4.0 * random.unit()) * direction.normalize();
+                Query::primary(Ray::new(origin, direction).unwrap())
+            })
+            .collect();
+        let bvh = SurfaceBvh::build(&surfaces).unwrap();
+        in_any_company(&format!("arches {scene}"), &bvh, &queries, &mut random);
+    }
 }
 
 /// Checks that all kernels give the same answers in another order and in batches of another size.

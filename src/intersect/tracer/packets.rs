@@ -122,15 +122,16 @@ impl Tracer<'_> {
         self.packets.doubt = [f64::INFINITY; PACKET];
         let enough = if wanted == Wanted::Any { self.packets.packet.met() } else { 0 };
         let mut undecided = std::mem::take(&mut self.packets.work.undecided);
-        undecided.sort_unstable();
-        for of_ray in undecided.chunk_by(|a, b| a.0 == b.0) {
-            let k = of_ray[0].0;
-            if has(enough, k) {
-                continue;
-            }
+        let packet = &self.packets.packet;
+        undecided.retain(|one| !has(enough, one.ray) && one.from <= packet.end(one.ray));
+        undecided.sort_unstable_by_key(|one| (one.ray, one.leaf));
+        self.packets.work.undecided_rays = 0;
+        for of_ray in undecided.chunk_by(|a, b| a.ray == b.ray) {
+            let k = of_ray[0].ray;
+            self.packets.work.undecided_rays |= 1 << k;
             let query = shots[k].query();
             let ray = (&query, &RayFrame::new(&query.ray));
-            let leaves = of_ray.iter().map(|&(_, leaf)| leaf);
+            let leaves = of_ray.iter().map(|one| one.leaf);
             self.search_undecided(ray, leaves, self.packets.packet.end(k), wanted);
             let PacketScratch { meetings, doubt, .. } = &mut *self.packets;
             meetings.extend(self.findings.meetings.iter().map(|&meeting| (k, meeting)));

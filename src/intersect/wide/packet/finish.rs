@@ -31,6 +31,9 @@ pub(super) struct Done {
     pub(super) unconverged: u32,
     /// The lanes whose root the scalar search must judge.
     pub(super) undecided: u32,
+    /// The lanes whose root it must judge for being near an edge of trims: unless the ray's nearest
+    /// hit turns out to be nearer than `packet.edges` says.
+    pub(super) at_edge: u32,
     /// Whether some ray's nearest hit is new.
     pub(super) found: bool,
     /// Newton's steps taken, over all lanes.
@@ -59,6 +62,7 @@ pub(super) fn finish_all<S: Simd>(
         let done = finish(simd, leaf, packet, base, wanted, ground, &near);
         all.unconverged |= done.unconverged << (8 * half);
         all.undecided |= done.undecided << (8 * half);
+        all.at_edge |= done.at_edge << (8 * half);
         all.found |= done.found;
         all.steps += done.steps;
     }
@@ -99,7 +103,7 @@ pub(super) fn finish<S: Simd>(
     let steps = root.steps;
     let unconverged = (root.unconverged | near_pole).to_bitmask() as u32;
     if root.found.all_false() {
-        return Done { unconverged, undecided: 0, found: false, steps };
+        return Done { unconverged, steps, ..Done::default() };
     }
     if target.pole.is_some() {
         // Tangents vanish at a pole, and the determinant before the last step says nothing of the
@@ -117,13 +121,19 @@ pub(super) fn finish<S: Simd>(
     let Verdict { size, z_error, mut undecided, at_end, acceptable, near_end } = verdict;
     let tie = acceptable & z.simd_eq(best);
     let mut hit = acceptable & z.simd_lt(best) | earlier(simd, tie, target, packet, base);
+    let mut at_edge = 0;
     if target.leaf.is_trimmed() {
         // Also asks about roots that cannot be told from the nearest hit: these may lie at an edge.
-        let asked = acceptable & z.simd_le(best + near_end) | at_end;
+        let from = z - near_end;
+        let asked = acceptable & from.simd_le(best);
         let reach = f64x8::splat(simd, trimmed::EDGE_REACH) * z_error * speed / size;
-        let [kept, decided] = kept_by_trims(simd, target, closer, asked, &root.st, reach);
+        let [kept, decided] = kept_by_trims(simd, target, closer, asked | at_end, &root.st, reach);
         hit &= kept;
-        undecided = (undecided | asked & !decided) & !(decided & !kept);
+        undecided &= !(decided & !kept);
+        at_edge = (asked & !decided).to_bitmask() as u32;
+        if at_edge != 0 {
+            from.store_slice(&mut packet.edges.0[base..base + 8]);
+        }
     }
 
     let found = hit.any_true();
@@ -133,7 +143,7 @@ pub(super) fn finish<S: Simd>(
     } else if found {
         put_hits(simd, &leaves, packet, base, hit, &root, &verdict);
     }
-    Done { unconverged, undecided: undecided.to_bitmask() as u32, found, steps }
+    Done { unconverged, undecided: undecided.to_bitmask() as u32, at_edge, found, steps }
 }
 
 /// Puts the hits of eight rays into a packet: the roots of the lanes in `hit`, each its ray's

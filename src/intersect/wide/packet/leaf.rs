@@ -13,7 +13,7 @@ use super::read_ahead::{Ahead, Moment};
 use super::screening::{Asked, Searched, screen};
 use super::settle::settle;
 use super::target::{Closer, Ground, Target, TrueLeaf};
-use super::work::Work;
+use super::work::{Undecided, Work};
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::PACKET;
 use crate::intersect::wide::proof::certified::certify;
@@ -24,6 +24,7 @@ use crate::intersect::wide::surface::sums::OneNet;
 use crate::intersect::wide::vectors::lane_bits;
 use crate::intersect::wide::view::BvhView;
 use crate::intersect::wide::wanted::Wanted;
+use crate::math::bits::set_bits;
 use crate::math::rounding;
 use crate::patch::OrientedBox;
 
@@ -143,6 +144,10 @@ fn search_group<S: Simd, Q>(
     }
     work.statistics.newton_iterations += u64::from(done.steps);
     work.leave(base, undecided, target.index);
+    for lane in set_bits(done.at_edge) {
+        let (ray, leaf) = (base + lane, target.index);
+        work.leave_one(Undecided { ray, leaf, from: packet.edges.0[ray] });
+    }
     done.found
 }
 

@@ -31,6 +31,20 @@ pub(crate) struct Packet {
     pub scaled: ScaledRays,
     pub(super) starts: Starts,
     pub(super) hits: NearestHits,
+    /// Where the roots are met, less their error, that were last found near an edge of trims: see
+    /// [`Done::at_edge`](super::finish::Done::at_edge).
+    pub(super) edges: PerRay,
+}
+
+/// A number for each ray of a packet.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(super) struct PerRay(pub(super) [f64; PACKET]);
+
+impl Default for PerRay {
+    fn default() -> Self {
+        Self([0.0; PACKET])
+    }
 }
 
 impl Packet {

@@ -4,11 +4,11 @@ use fearless_simd::{Simd, SimdBase, f32x16, u8x64, u32x16};
 use fearless_simd_macros::simd;
 
 use super::doubts::{Doubt, Taken};
-use super::finish::{Done, finish_all};
+use super::finish::finish_all;
 use super::load::farthest;
 use super::rays::Packet;
 use super::target::{Ground, Target, TrueLeaf};
-use super::work::Work;
+use super::work::{Undecided, Work};
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::box_ray::BOX_SPARE;
 use crate::intersect::wide::proof::bounds::{GROWN, START_GROWN};
@@ -17,7 +17,7 @@ use crate::intersect::wide::proof::lanes::{LaneProof, Parts};
 use crate::intersect::wide::surface::spline_net::RecentNets;
 use crate::intersect::wide::surface::sums::OneNet;
 use crate::intersect::wide::view::BvhView;
-use crate::math::bits::set_bits;
+use crate::math::bits::{has, set_bits};
 
 /// Examines the pairs that were put aside, sixteen at a time, as long as there are at least `least`
 /// of them.
@@ -37,7 +37,7 @@ pub(super) fn settle<S: Simd>(
         work.statistics.newton_iterations += u64::from(done.steps);
         for place in set_bits(done.undecided) {
             let Doubt { ray, leaf, .. } = taken.pairs[place];
-            work.leave(ray, 1, leaf);
+            work.leave_one(Undecided { ray, leaf, from: done.from[place] });
         }
     }
     if found {
@@ -45,8 +45,33 @@ pub(super) fn settle<S: Simd>(
     }
 }
 
-/// Searches the leaves part by part, as far as the rays' own proofs go. Returns the outcome for the
-/// pairs, a bit each: some are undecided, all others done with.
+/// The outcome for sixteen pairs.
+#[derive(Default)]
+struct Settled {
+    /// One bit for each pair that the scalar search must examine, and from where on, as in
+    /// [`Undecided`].
+    undecided: u32,
+    from: [f64; LANES],
+    /// Whether some ray's nearest hit is new.
+    found: bool,
+    /// Newton's steps taken.
+    steps: u32,
+}
+
+impl Settled {
+    /// Leaves a pair to the scalar search.
+    fn leave(&mut self, place: usize, from: f64) {
+        let known = if has(self.undecided, place) { self.from[place] } else { f64::INFINITY };
+        self.undecided |= 1 << place;
+        self.from[place] = from.min(known);
+    }
+}
+
+/// Searches the leaves part by part, as far as the rays' own proofs go. All pairs are done with but
+/// those that are undecided.
+///
+/// A pair that has one undecided root is searched on: there may be a nearer one, and the undecided
+/// one then does not count.
 #[simd]
 fn settle_sixteen<S: Simd>(
     simd: S,
@@ -55,7 +80,7 @@ fn settle_sixteen<S: Simd>(
     taken: &Taken<S>,
     parts: &mut Parts,
     nets: &mut RecentNets,
-) -> Done {
+) -> Settled {
     let Taken { pairs, count, distances, errors, lengths } = taken;
     let mut asked = 0;
     for (lane, pair) in pairs[..*count].iter().enumerate() {
@@ -63,13 +88,9 @@ fn settle_sixteen<S: Simd>(
         let beyond = pair.entry > packet.scaled.far[pair.ray] + BOX_SPARE;
         asked |= u32::from(!beyond) << lane;
     }
-    let mut all = Done::default();
+    let mut all = Settled::default();
     let mut proof = LaneProof::new(simd, distances, parts, *lengths, *errors, asked);
     while let Some((part, lanes)) = proof.next() {
-        let lanes = lanes & !all.undecided;
-        if lanes == 0 {
-            continue;
-        }
         let domain = part.widened(simd, GROWN);
         let start = part.widened(simd, START_GROWN);
         let near = distances.refine(simd, &distances.newton(simd, part.middle, domain));
@@ -104,13 +125,20 @@ fn settle_sixteen<S: Simd>(
             let done = finish_all(simd, leaf, packet, base, wanted, &ground, &near);
             all.found |= done.found;
             all.steps += done.steps;
-            all.undecided |= group.places_of(done.undecided);
+            for lane in set_bits(done.undecided) {
+                all.leave(group.place[lane] as usize, f64::NEG_INFINITY);
+            }
+            for lane in set_bits(done.at_edge) {
+                all.leave(group.place[lane] as usize, packet.edges.0[base + lane]);
+            }
             unconverged |= group.places_of(done.unconverged);
         }
         // Rays that are led out of the part may be proved to miss its halves.
         proof.go_on(&part, unconverged);
     }
-    all.undecided |= proof.undecided;
+    for place in set_bits(proof.undecided) {
+        all.leave(place, f64::NEG_INFINITY);
+    }
     all
 }
 

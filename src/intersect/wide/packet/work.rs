@@ -17,7 +17,7 @@ pub(super) type Visit = (f32, ChildCode, u64);
 pub(crate) struct Work {
     pub(super) stack: Vec<Visit>,
     /// Rays and leaves that the scalar search must examine.
-    pub undecided: Vec<(usize, u32)>,
+    pub undecided: Vec<Undecided>,
     pub(super) apart: Apart,
     /// The distances of sixteen rays from the leaf that is searched.
     pub(super) distances: LaneDistances,
@@ -30,11 +30,28 @@ pub(crate) struct Work {
     pub statistics: Statistics,
 }
 
+/// A ray of the packet and a leaf that the scalar search must examine.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Undecided {
+    pub ray: usize,
+    pub leaf: u32,
+    /// It need not if the ray's nearest hit turns out to be nearer than this. (Whether that is known
+    /// when the leaf is searched depends on the other rays.)
+    pub from: f64,
+}
+
 impl Work {
     /// Leaves a leaf to the scalar search, for those of sixteen rays whose bit is set in `lanes`.
     #[inline(always)]
     pub(super) fn leave(&mut self, base: usize, lanes: u32, leaf: u32) {
-        self.undecided_rays |= u64::from(lanes) << base;
-        self.undecided.extend(set_bits(lanes).map(|lane| (base + lane, leaf)));
+        for lane in set_bits(lanes) {
+            self.leave_one(Undecided { ray: base + lane, leaf, from: f64::NEG_INFINITY });
+        }
+    }
+
+    /// Leaves a leaf to the scalar search for one ray.
+    pub(super) fn leave_one(&mut self, one: Undecided) {
+        self.undecided_rays |= 1 << one.ray;
+        self.undecided.push(one);
     }
 }
