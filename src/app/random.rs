@@ -36,6 +36,11 @@ impl Random {
         a + (b - a) * self.unit()
     }
 
+    /// `10^x` with `x` uniform in `[a, b)`.
+    pub(crate) fn power_of_ten(&mut self, a: f64, b: f64) -> f64 {
+        10f64.powf(self.between(a, b))
+    }
+
     /// One of `0, 1, …, count − 1`; 0 when there is none.
     pub(crate) fn below(&mut self, count: usize) -> usize {
         ((self.unit() * count as f64) as usize).min(count.saturating_sub(1))

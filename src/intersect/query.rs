@@ -40,10 +40,13 @@ impl Query {
     /// A ray that ends on another hit is in doubt there: whether two hits see each other,
     /// [`Tracer::occluded_between`](super::Tracer::occluded_between) says.
     ///
-    /// Only that one root is left out. Where two surfaces coincide, as those of two solids that are
-    /// cemented together, a ray that leaves one of them may meet the other at once, and a ray that
-    /// leaves the other may meet the first again. So bound a loop that goes on from hit to hit.
-    /// Model such an interface as one surface, or ask for [all hits](super::Tracer::all_hits).
+    /// Only that one root is left out. What the ray meets right behind it, beside a crease or across
+    /// a gap, is met, or in doubt if it is no farther off than rounding.
+    ///
+    /// Where two surfaces coincide, as those of two solids that are cemented together, a ray that
+    /// leaves one of them may meet the other at once, and a ray that leaves the other may meet the
+    /// first again. So bound a loop that goes on from hit to hit. Model such an interface as one
+    /// surface, or ask for [all hits](super::Tracer::all_hits).
     ///
     /// Trimmed faces are closed: beside an edge of a body, within some errors of it, a ray may meet
     /// one of both faces only, or both in the same sense, in or out. One of these hits is flagged

@@ -9,6 +9,7 @@
     reason = "tests, and the functions they share"
 )]
 
+mod beside;
 mod bodies;
 mod corners;
 mod creases;

@@ -72,7 +72,7 @@ fn chunk(
     indices: Range<u64>,
 ) -> Tally {
     let mut tracer = what.bvh.tracer_with(what.kernel);
-    let mut hits = Vec::new();
+    let (mut hits, mut plain) = (Vec::new(), Vec::new());
     let mut tally = Tally::default();
     // Each third of the rays is traced in its own way, by index: rays that cannot be made leave
     // gaps.
@@ -92,6 +92,11 @@ fn chunk(
 
     for ((_, shot), (answer, shadow)) in seen {
         let undecided = tracer.exact_all_hits(&shot.query, &mut hits); // by the exact solver alone
+        if let Some(start) = shot.start {
+            let ray = shot.query.ray();
+            let _ = tracer.exact_all_hits(ray, &mut plain); // each hit in doubt says so
+            hits.extend(plain.iter().filter(|hit| judge.is_ahead(ray, start, hit)));
+        }
         let truth = Truth { hits: &hits, undecided };
         tally.add(shot.query.ray(), judge.judge(shot, (&answer, shadow), &truth));
         tally.undecided += u64::from(undecided);

@@ -12,7 +12,7 @@ use nurbray::math::rounding::{UNIT_ROUNDOFF, residual_factor};
 use super::super::border::magnitude;
 use super::outlines::Outline;
 use super::rays::Shot;
-use super::sites::{Site, radius};
+use super::sites::{Site, control_radius};
 
 /// What is wrong with an answer that carries no doubt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,7 +47,7 @@ pub(crate) struct Finding {
 /// The exact solver's result for the ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Truth<'a> {
-    /// All hits by the exact solver, in order of `t`.
+    /// All hits by the exact solver.
     pub(crate) hits: &'a [Hit],
     /// Whether the exact solver could not decide everything.
     pub(crate) undecided: bool,
@@ -79,6 +79,10 @@ const TANGENT_FACTOR: f64 = 4.0;
 /// with rounding for `b` and this constant for `c`, that is 1e-11 of the coordinates' size.
 const SURE_INCIDENCE: f64 = 0.01;
 
+/// How many times its error along the ray the start of a ray is off at most: a few, as the ray
+/// starts at the point of the hit that it leaves.
+const START: f64 = 4.0;
+
 /// Compares answers for one set of surfaces.
 #[derive(Debug)]
 pub(crate) struct Judge<'a> {
@@ -86,6 +90,7 @@ pub(crate) struct Judge<'a> {
     magnitudes: Vec<f64>,
     /// The kept parts of the surfaces, found without the tracer's own trim test.
     outlines: Vec<Outline>,
+    /// The radius of a sphere about all control points.
     radius: f64,
 }
 
@@ -96,7 +101,7 @@ impl<'a> Judge<'a> {
             surfaces,
             magnitudes: surfaces.iter().map(largest).collect(),
             outlines: surfaces.iter().map(Outline::of).collect(),
-            radius: radius(surfaces),
+            radius: control_radius(surfaces),
         }
     }
 
@@ -119,6 +124,15 @@ impl<'a> Judge<'a> {
         let fault = fault.or_else(|| self.fault_of_shadow(shot, shadow, answer, truth));
         let tangent = self.tangent(ray, answer.hit.iter().chain(truth.hits));
         Finding { fault, error, doubtful, doubtful_any: shadow.doubtful, tangent }
+    }
+
+    /// Whether a hit of a ray that leaves no root, asked of the exact solver, is ahead of the place
+    /// where one does: by several times what the root there, and the hit, may be off. So it does not
+    /// depend on how the tracer tells the start from what lies beside it.
+    pub(crate) fn is_ahead(&self, ray: &Ray, start: Site, hit: &Hit) -> bool {
+        let slack = |measure: Measure| self.slack(measure.bound, measure.incidence);
+        let clear = START * slack(self.at(ray, start, 0.0)) + slack(self.measure(ray, hit));
+        hit.t * ray.direction().length() > clear
     }
 
     /// Returns the fault of the occlusion answer `shadow`, if any. `first` is the fast path's
@@ -360,7 +374,7 @@ mod tests {
         assert!(!tracer.exact_all_hits(&query, &mut hits));
         assert_eq!(hits.len(), 2);
         let judge = Judge::new(&surfaces);
-        let shot = Shot { query, target: None };
+        let shot = Shot::of(query);
         let ruling = |answer: Answer, hits: &[Hit]| {
             judge.judge(&shot, (&answer, OPEN), &Truth { hits, undecided: false })
         };
@@ -406,7 +420,7 @@ mod tests {
             let uv = DVec2::new(x, 0.5);
             let point = DVec3::new(x, 0.5, 0.0);
             let root = Hit { uv, point, flags: HitFlags::TRIM_EDGE, ..seen };
-            let shot = Shot { query: Query::primary(ray), target: None };
+            let shot = Shot::of(Query::primary(ray));
             let truth = Truth { hits: &[root], undecided: false };
             let fault = judge.judge(&shot, (&Answer::default(), OPEN), &truth).fault;
             assert_eq!(fault, owed.then_some(Fault::Miss), "{off}");
@@ -474,7 +488,7 @@ mod tests {
         for (aside, is_met) in [(0.0, true), (0.999, true), (1.001, false)] {
             let query =
                 Query::primary(Ray::new(aside * beside - 3.0 * direction, direction).unwrap());
-            let shot = Shot { query, target: None };
+            let shot = Shot::of(query);
             let mut hits = Vec::new();
             let undecided = tracer.exact_all_hits(&query, &mut hits);
             let truth = Truth { hits: &hits, undecided };
@@ -509,7 +523,7 @@ mod tests {
             let point = surfaces[0].point_at(uv);
             Hit { t: point.y + 1.0, uv, point, ..seen }
         });
-        let shot = Shot { query: Query::primary(along), target: None };
+        let shot = Shot::of(Query::primary(along));
         let truth = Truth { hits: &[near], undecided: false };
         let answer = Answer { hit: Some(far), doubtful: false };
         assert_eq!(judge.judge(&shot, (&answer, OPEN), &truth).fault, None);
@@ -527,7 +541,7 @@ mod tests {
             let query = Query::primary(Ray::new(origin, direction).unwrap());
             let mut hits = Vec::new();
             let undecided = tracer.exact_all_hits(&query, &mut hits);
-            let (answer, shot) = (tracer.first_hit(&query), Shot { query, target: None });
+            let (answer, shot) = (tracer.first_hit(&query), Shot::of(query));
             let finding = judge.judge(&shot, (&answer, OPEN), &Truth { hits: &hits, undecided });
             assert_eq!(finding.tangent, tangent, "{depth}");
         }
@@ -541,7 +555,7 @@ mod tests {
         let point = surfaces[0].point_at(site.uv);
         let shot = |direction: DVec3| {
             let ray = Ray::new(point - 2.0 * direction, direction).unwrap();
-            Shot { query: Query::primary(ray), target: Some((site, 2.0)) }
+            Shot { target: Some((site, 2.0)), ..Shot::of(Query::primary(ray)) }
         };
         let nothing = Truth { hits: &[], undecided: false };
         let head_on = judge.judge(&shot(-point), (&Answer::default(), OPEN), &nothing);

@@ -24,11 +24,14 @@ pub(crate) struct Shot {
     pub(crate) query: Query,
     /// A point of a surface that the ray passes within rounding, and its `t`.
     pub(crate) target: Option<(Site, f64)>,
+    /// Where the hit was found that the ray leaves.
+    pub(crate) start: Option<Site>,
 }
 
 impl Shot {
-    fn untargeted(ray: Ray) -> Self {
-        Self { query: Query::primary(ray), target: None }
+    /// A ray of which nothing more is known.
+    pub(crate) fn of(query: Query) -> Self {
+        Self { query, target: None, start: None }
     }
 }
 
@@ -104,10 +107,10 @@ impl<'a> RaySource<'a> {
                 Ray::new(sites.point(site), random.direction()).ok()
             }
         };
-        ray.map(Shot::untargeted)
+        ray.map(|ray| Shot::of(Query::primary(ray)))
     }
 
-    /// From a sphere of twice the model's radius to a point of its bounding box.
+    /// From a sphere of twice the model's radius to a point of its box.
     fn random(&self, random: &mut Random) -> Option<Ray> {
         let (center, half) = (self.sites.center(), self.sites.half_extent());
         let origin = center + 2.0 * self.sites.radius() * random.direction();
@@ -153,7 +156,7 @@ impl<'a> RaySource<'a> {
     /// A ray that passes a point of a surface at `t`.
     fn shoot(&self, site: Site, t: f64, direction: DVec3) -> Option<Shot> {
         let ray = Ray::new(self.sites.point(site) - t * direction, direction).ok()?;
-        Some(Shot { query: Query::primary(ray), target: Some((site, t)) })
+        Some(Shot { target: Some((site, t)), ..Shot::of(Query::primary(ray)) })
     }
 
     /// Through a point, from up to three radii before it.
@@ -218,12 +221,31 @@ impl<'a> RaySource<'a> {
         self.along(random, surface.point + offset * towards_center, direction)
     }
 
-    /// A ray that leaves the first hit of another, in any direction.
+    /// A ray that leaves the first hit of another, in any direction. Half of the others come in flat
+    /// and hit beside a line along which pieces meet, perhaps nearer than they know where: there a
+    /// ray may leave one side of a crease and meet the other at once.
     fn leaving(&self, random: &mut Random, tracer: &mut Tracer<'_>) -> Option<Shot> {
-        let first = self.through(self.anywhere_or_on_line(random), random)?;
-        let hit = tracer.first_hit(&first.query).hit?;
+        let first = if random.coin() {
+            self.through(self.anywhere_or_on_line(random), random)?.query
+        } else {
+            Query::primary(self.flat_beside_line(random)?)
+        };
+        let hit = tracer.first_hit(&first).hit?;
         let ray = Ray::new(hit.point, random.direction()).ok()?;
-        Some(Shot { query: Query::leaving(ray, &hit), target: None })
+        let start = Some(Site { surface: hit.surface as usize, uv: hit.uv });
+        Some(Shot { start, ..Shot::of(Query::leaving(ray, &hit)) })
+    }
+
+    /// A ray that comes at an angle of 10⁻¹⁰ to 1 to the tangent plane, and meets it at 10⁻¹⁵ to
+    /// 10⁻⁵ radii of the model from a line along which pieces meet.
+    fn flat_beside_line(&self, random: &mut Random) -> Option<Ray> {
+        let surface = self.sites.derivatives(self.sites.on_line(random));
+        let normal = surface.du.cross(surface.dv).try_normalize()?;
+        let beside = self.sites.radius() * random.power_of_ten(-15.0, -5.0);
+        let point = surface.point + beside * tangent(&surface, random)?;
+        let steep = random.sign() * random.power_of_ten(-10.0, 0.0);
+        let direction = tangent(&surface, random)? + steep * normal;
+        self.along(random, point, direction)
     }
 }
 
@@ -236,7 +258,7 @@ fn tangent(surface: &SurfaceDerivatives, random: &mut Random) -> Option<DVec3> {
 
 #[cfg(test)]
 mod tests {
-    use nurbray::geometry::shapes;
+    use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
     use nurbray::intersect::SurfaceBvh;
 
     use super::*;
@@ -277,6 +299,18 @@ mod tests {
         assert!(has_poles(shapes::cone(1.0, 1.0).unwrap().into()));
         assert!(!has_poles(shapes::torus(3.0, 1.0).unwrap().into()));
         assert!(!has_poles(shapes::plane(1.0, 1.0).unwrap().into()));
+    }
+
+    #[test]
+    fn random_rays_are_aimed_at_the_surface_not_at_far_control_points() {
+        // The middle control point is 100 up, the surface at most 25.
+        let height = |i: usize| if i == 4 { 100.0 } else { 0.0 };
+        let control = (0..9).map(|i| DVec3::new((i / 3) as f64, (i % 3) as f64, height(i)));
+        let knots = || KnotVector::bezier(2).unwrap();
+        let hump = NurbsSurface::new(knots(), knots(), control.collect(), None).unwrap();
+        let surfaces = [hump.into()];
+        let sites = Sites::new(&surfaces).unwrap();
+        assert!((sites.half_extent().z - 12.5).abs() < 0.1, "{}", sites.half_extent());
     }
 
     #[test]

@@ -20,6 +20,12 @@ pub(crate) struct Site {
 /// sixteenth of a piece, but those at trim edges are cut down by steps of a 256th.
 const HALVINGS: usize = 8;
 
+/// How many points find the model's box: of a sphere, all but some hundredths of its radius.
+const BOX_SAMPLES: u64 = 1 << 14;
+
+/// The stream of random numbers of these points; rays have others.
+const BOX_STREAM: u64 = u64::MAX;
+
 /// The surfaces of a model, and how to find places on them.
 #[derive(Debug)]
 pub(crate) struct Sites<'a> {
@@ -33,6 +39,7 @@ pub(crate) struct Sites<'a> {
     poles: Vec<(usize, Border)>,
     /// Points on the edges that trims cut.
     trim_edges: Vec<Site>,
+    /// The middle of the model's box, and from there to its corner.
     center: DVec3,
     half_extent: DVec3,
 }
@@ -55,7 +62,6 @@ impl<'a> Sites<'a> {
                     .map(|knots| knots.spans().map(|span| [span.start, span.end]).collect())
             })
             .collect();
-        let (low, high) = bounds(charts.iter().map(|(_, chart)| chart));
         let all = charts.iter().enumerate();
         let borders: Vec<_> = all
             .flat_map(|(k, (_, chart))| {
@@ -64,29 +70,40 @@ impl<'a> Sites<'a> {
             })
             .collect();
         let is_pole = |(k, border): &&(usize, Border)| border.pole(&charts[*k].1.surface).is_some();
-        Some(Self {
+        let mut sites = Self {
             surfaces,
             poles: borders.iter().filter(is_pole).copied().collect(),
             borders,
             trim_edges: trim_edges(surfaces),
             charts,
             spans,
-            center: 0.5 * (low + high),
-            half_extent: 0.5 * (high - low),
-        })
+            center: DVec3::ZERO,
+            half_extent: DVec3::ZERO,
+        };
+        let (low, high) = sites.sampled_box();
+        (sites.center, sites.half_extent) = (0.5 * (low + high), 0.5 * (high - low));
+        Some(sites)
     }
 
-    /// The middle of the model's bounding box.
+    /// The box of many random points, a little smaller than the model's. (A box of control points
+    /// may be several times as large, and most rays to it miss.)
+    fn sampled_box(&self) -> (DVec3, DVec3) {
+        let points = (0..BOX_SAMPLES)
+            .map(|index| self.point(self.anywhere(&mut Random::new(0, BOX_STREAM, index))));
+        extent(points)
+    }
+
+    /// The middle of the model's box.
     pub(crate) fn center(&self) -> DVec3 {
         self.center
     }
 
-    /// From the middle of the model's bounding box to its corner, coordinate by coordinate.
+    /// From the middle of the model's box to its corner, coordinate by coordinate.
     pub(crate) fn half_extent(&self) -> DVec3 {
         self.half_extent
     }
 
-    /// The radius of a sphere about the bounding box.
+    /// The radius of a sphere about the box.
     pub(crate) fn radius(&self) -> f64 {
         self.half_extent.length()
     }
@@ -227,17 +244,18 @@ fn within(random: &mut Random, spans: &[[f64; 2]]) -> f64 {
     random.between(start, end)
 }
 
-/// The radius of a sphere about the bounding box of all control points; 0 if there are none.
-pub(crate) fn radius(surfaces: &[Surface]) -> f64 {
+/// The radius of a sphere about the box of all control points; 0 if there are none.
+pub(crate) fn control_radius(surfaces: &[Surface]) -> f64 {
     let charts: Vec<_> = surfaces.iter().flat_map(Charts::charts).collect();
-    let (low, high) = bounds(charts.iter());
-    if charts.is_empty() { 0.0 } else { (0.5 * (high - low)).length() }
+    if charts.is_empty() {
+        return 0.0;
+    }
+    let control = charts.iter().flat_map(|chart| chart.surface.control());
+    let (low, high) = extent(control.map(|c| c.truncate() / c.w));
+    (0.5 * (high - low)).length()
 }
 
-/// The smallest and largest coordinates of all control points.
-fn bounds<'c>(charts: impl Iterator<Item = &'c Chart<'c>>) -> (DVec3, DVec3) {
-    charts
-        .flat_map(|chart| chart.surface.control())
-        .map(|c| c.truncate() / c.w)
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
+/// The smallest and largest coordinates of these points.
+fn extent(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
+    points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
 }

@@ -9,14 +9,14 @@ use super::borders::{
 use super::grazing::KnownRoot;
 use super::meeting::{Cover, Meeting};
 use super::pole_side::stands_still;
-use super::question::{PlacedLeaf, Question};
+use super::question::{PlacedLeaf, Question, Sense, Start};
 use super::spot::Spot;
 use super::trim_side::trim_side;
 use crate::geometry::trim::Side;
+use crate::intersect::HitFlags;
 use crate::intersect::exact::{AT_POLE, END, Proof, STRETCH, Solution};
-use crate::intersect::{HitFlags, Root};
 use crate::math::{RayFrame, rounding};
-use crate::patch::{Jet, LEAF_SLACK, Leaf, Piece, holds};
+use crate::patch::{Jet, LEAF_SLACK, Leaf, holds};
 
 /// Why a solution is no meeting.
 pub(crate) enum Dropped {
@@ -185,19 +185,55 @@ impl<'a> Candidate<'a> {
 
     /// Drops the root the ray starts on: it is not met again.
     fn leave_start(&self) -> Result<(), Dropped> {
-        let Self { question, error, z_error, cosine, flags, .. } = *self;
+        let Self { question, error, z_error, cosine, .. } = *self;
         let (z, proof) = (self.on_ray.z, self.solution.proof);
-        let point = self.on_ray.spot.jet.point;
-        let surface = self.on_ray.spot.piece.surface;
-        let Some((root, start)) = question.start_on(surface) else { return Ok(()) };
-        let reach = start_reach(proof, error, z_error, cosine) + root.error;
-        if z.abs() > reach || point.distance(start.patch.point(root.st)) > 2.0 * reach {
+        let off = question.from.map_or(f64::NEG_INFINITY, |root| root.error);
+        let reach = start_reach(proof, error, z_error, cosine) + off;
+        if z.abs() > reach {
             return Ok(());
         }
+        let Some(start) = question.start() else { return Ok(()) };
+        let Spot { piece, ref jet, .. } = self.on_ray.spot;
+        let is_near = jet.point.distance(start.jet.point) <= 2.0 * reach;
+        if start.piece.surface != piece.surface || !is_near {
+            return Ok(());
+        }
+        match self.is_start(&start, reach) {
+            Some(true) => Err(Dropped::Surely),
+            Some(false) => Ok(()),
+            None => Err(Dropped::InDoubt(0.0)),
+        }
+    }
+
+    /// Whether this is the root the ray starts on, which lies on the same surface and no farther off
+    /// than `reach`; `None` if that is not known.
+    ///
+    /// On the start's own piece it is, if the solution is the only root in a rectangle that holds
+    /// the start. Another piece has the start's root only if the ray starts beside a side, to
+    /// within `reach`. But so near to a crease it may meet the other face, too: there it goes
+    /// through the surface in the opposite sense. And it is no farther off than the start is along
+    /// *this* ray: to the ray that found it, which may have been grazing, `reach` is far.
+    fn is_start(&self, start: &Start<'_>, reach: f64) -> Option<bool> {
+        let Self { z_error, cosine, flags, leaf, .. } = *self;
         // Where the ray may touch the surface at a pole, this may be its next root.
-        let touches = flags.contains(HitFlags::DOUBTFUL);
-        let is_other = touches || !is_same_root(proof, self.leaf, (root, start), reach);
-        Err(if is_other { Dropped::InDoubt(0.0) } else { Dropped::Surely })
+        if flags.contains(HitFlags::DOUBTFUL) {
+            return None;
+        }
+        let is_within = self.on_ray.z.abs() <= z_error + start.error;
+        match self.solution.proof {
+            Proof::Isolated(rect) if start.root.piece == leaf.piece => {
+                holds(rect, start.root.st).then_some(true)
+            }
+            Proof::Isolated(_) => match start.sense(cosine) {
+                Sense::Same if is_within => {
+                    (is_short(leaf, reach) && start.is_at_side(2.0 * reach)).then_some(true)
+                }
+                Sense::Opposite if !is_within => Some(false),
+                _ => None,
+            },
+            Proof::Collapsed => is_within.then_some(true),
+            Proof::Contact(_) | Proof::Stretch(_) => None,
+        }
     }
 
     /// Drops the crossing of an edge on which the ray starts, if the start was found on the other
@@ -217,18 +253,19 @@ impl<'a> Candidate<'a> {
         if !(is_clear && z.abs() <= farthest) {
             return Ok(());
         }
-        let Some(start) = question.start_in_sense_of(cosine) else { return Ok(()) };
-        let off = z_error + start.error;
-        let is_start = |apart: f64, more: f64| {
+        let start = question.start().filter(|start| start.sense(cosine) == Sense::Same);
+        let Some(start) = start else { return Ok(()) };
+        let is_at_place = |apart: f64, more: f64| {
             z.abs() <= apart
                 && point.distance(start.jet.point) <= 2.0 * apart
                 && (at_trims || self.is_at_border(more))
-                && start.is_at_edge(more)
         };
-        if is_start(off, 0.0) && is_short(self.leaf, off) {
+        let off = z_error + start.error;
+        if is_at_place(off, 0.0) && start.has_edge_at(point) && is_short(self.leaf, off) {
             return Err(Dropped::Surely);
         }
-        if is_start(farthest, most_off) { Err(Dropped::InDoubt(0.0)) } else { Ok(()) }
+        let is_in_doubt = is_at_place(farthest, most_off) && start.is_at_edge(most_off);
+        if is_in_doubt { Err(Dropped::InDoubt(0.0)) } else { Ok(()) }
     }
 
     /// Drops what lies outside the ray's range. At the ends of the range, and at trim edges that
@@ -436,22 +473,6 @@ fn start_reach(proof: Proof, error: f64, z_error: f64, cosine: f64) -> f64 {
 /// Error bound of a crossing along the ray.
 fn steep(error: f64, cosine: f64) -> f64 {
     error / cosine.abs().max(f64::EPSILON)
-}
-
-/// Whether a solution found where a ray starts is proved to be the root the ray starts on. On
-/// another piece it is that root only if the ray starts within twice `reach` of a side: where a
-/// surface crosses itself, there are two roots.
-fn is_same_root(proof: Proof, leaf: &Leaf, (root, start): (&Root, &Piece), reach: f64) -> bool {
-    let at_side = || {
-        let distances = start.side_distances(root.st, &start.patch.jet(root.st));
-        distances.into_iter().any(|distance| distance <= 2.0 * reach)
-    };
-    match proof {
-        Proof::Isolated(rect) if root.piece == leaf.piece => holds(rect, root.st),
-        Proof::Isolated(_) => is_short(leaf, reach) && at_side(),
-        Proof::Collapsed => true,
-        Proof::Contact(_) | Proof::Stretch(_) => false,
-    }
 }
 
 /// Twice the distance from the surface, in errors, that a ray must reach between a pole and the

@@ -1,6 +1,9 @@
 //! The question that a ray puts to leaves.
 
-use super::borders::{at_border, trim_reach};
+use glam::DVec3;
+
+use super::borders::{at_border, step_towards, trim_reach};
+use crate::geometry::RectSide;
 use crate::geometry::trim::Side;
 use crate::intersect::query::StartIn;
 use crate::intersect::{Query, Root};
@@ -26,39 +29,35 @@ impl<'a> Question<'a> {
         Self { set, ray, t_range, from: query.start_in(set), all_hits: false }
     }
 
-    /// The root the ray starts on, and its piece, if it lies on that surface.
-    pub(super) fn start_on(&self, surface: u32) -> Option<(&'a Root, &'a Piece)> {
-        let root = self.from?;
-        let piece = &self.set.pieces()[root.piece as usize];
-        (piece.surface == surface).then_some((root, piece))
-    }
-
-    /// The start of a ray whose `N · d` there has clearly the sign of `cosine`, as where it goes
-    /// through another surface of a body in the same sense, in or out.
-    pub(super) fn start_in_sense_of(&self, cosine: f64) -> Option<Start<'a>> {
+    /// The place the ray starts at, if it leaves a root of these surfaces.
+    pub(super) fn start(&self) -> Option<Start<'a>> {
         let root = self.from?;
         let piece = &self.set.pieces()[root.piece as usize];
         let jet = piece.patch.jet(root.st);
-        let other = piece.normal(root.st, &jet)?.dot(self.ray.axis);
-        let alike = cosine * other > 0.0 && cosine.abs().min(other.abs()) > CLEAR_SIDE;
-        let error = root.error.min(START_OFF * root.across() / other.abs());
+        let cosine = piece.normal(root.st, &jet).map_or(0.0, |normal| normal.dot(self.ray.axis));
+        let error = root.error.min(START_OFF * root.across() / cosine.abs()); // not if 0 / 0
         let rounding = piece.patch.error_bound(self.ray.magnitude);
-        alike.then_some(Start { root, piece, jet, error, rounding })
+        Some(Start { root, piece, jet, cosine, error, rounding })
     }
 }
 
 /// The cosine above which it is clear on which side a ray leaves an edge.
 const CLEAR_SIDE: f64 = 1e-4;
 
+/// Two surfaces share a border if it is no farther off, in errors, than both may be.
+const SHARED: f64 = 2.0;
+
 /// A ray may start as far from the point of a root as twice the root's error (see
 /// [`Query::leaving`]), and the point is off by once that.
 const START_OFF: f64 = 3.0;
 
-/// The root that a ray starts on, seen from another surface.
+/// The root that a ray starts on, seen from another one.
 pub(super) struct Start<'a> {
-    root: &'a Root,
-    piece: &'a Piece,
+    pub(super) root: &'a Root,
+    pub(super) piece: &'a Piece,
     pub(super) jet: Jet,
+    /// `N · d`, or 0 without a normal.
+    cosine: f64,
     /// How far from the origin, along the ray that starts there, the true root may be: less than
     /// along the ray that found it, if that was grazing.
     pub(super) error: f64,
@@ -66,7 +65,35 @@ pub(super) struct Start<'a> {
     rounding: f64,
 }
 
+/// How a ray goes through two surfaces, or two places of one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sense {
+    /// In through both, or out through both.
+    Same,
+    /// In through one, and out through the other.
+    Opposite,
+    /// It is too flat on one of them to tell.
+    Unclear,
+}
+
 impl Start<'_> {
+    /// How the ray goes through the surface here, compared with a place where `N · d` is `cosine`.
+    pub(super) fn sense(&self, cosine: f64) -> Sense {
+        if cosine.abs().min(self.cosine.abs()) <= CLEAR_SIDE {
+            Sense::Unclear
+        } else if cosine * self.cosine > 0.0 {
+            Sense::Same
+        } else {
+            Sense::Opposite
+        }
+    }
+
+    /// Whether the start is within this distance of a side of its piece.
+    pub(super) fn is_at_side(&self, reach: f64) -> bool {
+        let distances = self.piece.side_distances(self.root.st, &self.jet);
+        distances.into_iter().any(|distance| distance <= reach)
+    }
+
     /// Whether the start is on a border or a trim edge, if it may be off by `more` than rounding: on
     /// trims, by more than its error.
     pub(super) fn is_at_edge(&self, more: f64) -> bool {
@@ -74,6 +101,20 @@ impl Start<'_> {
         let trim_reach = || trim_reach(jet, root.error + more);
         at_border(piece, root.st, jet, self.rounding + more)
             || matches!(piece.side(root.st, trim_reach()), Side::Edge { .. })
+    }
+
+    /// Whether the surface's border, or a trim edge of it, passes a point near the start within
+    /// rounding, to first order: whether an edge that another surface has there may be this one's.
+    pub(super) fn has_edge_at(&self, point: DVec3) -> bool {
+        let Self { root, piece, ref jet, rounding, .. } = *self;
+        let st = root.st + step_towards(jet, point - jet.point);
+        if !st.is_finite() {
+            return false; // at a pole
+        }
+        let distances = piece.side_distances(st, jet);
+        let mut borders = RectSide::ALL.into_iter().filter(|side| piece.is_border(*side));
+        borders.any(|side| distances[side].abs() <= SHARED * rounding)
+            || matches!(piece.side(st, trim_reach(jet, rounding)), Side::Edge { .. })
     }
 }
 
