@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::tree::nodes::Tree;
 use super::tree::regions::tree_over;
-use super::wide::{BLUR, BvhView};
+use super::wide::{BLUR, BOX_SPARE, BvhView, NEAR};
 use crate::geometry::Charts;
 use crate::math::{Aabb, rounding};
 use crate::patch::{
@@ -127,7 +127,7 @@ impl SurfaceBvh {
 }
 
 /// How far a point may be from a ray, in scaled coordinates, while boxes in f32 still meet the ray:
-/// a quarter of the blur of rays at the boxes of nodes, and of the growth of oriented boxes.
+/// a quarter of the blur of rays at the boxes of nodes, and a part of the growth of oriented boxes.
 const BLUR_OF_F32: f64 = 0.25 * BLUR as f64;
 
 /// With that, and with four roundings of coordinates and distances (see [`BLUR`]), a ray is off by
@@ -135,7 +135,29 @@ const BLUR_OF_F32: f64 = 0.25 * BLUR as f64;
 const _: () = {
     let rounded = 4.0 * (5.0 + 8.0) * 0.5 * f32::EPSILON as f64;
     assert!(rounded + BLUR_OF_F32 <= BLUR as f64 + PADDING);
-    assert!(BLUR_OF_F32 <= 0.25 * OrientedBox::GROWTH);
+};
+
+/// Nor is it farther off than oriented boxes were grown by.
+///
+/// A point of a leaf is inside the pair of planes of each row `r` of its box: `|r · p − d| ≤ 1` less
+/// `|r|` times the growth. So the test in f32 finds the point of the ray that is nearest to it
+/// inside, if it is wrong about `r · o − d` plus `z` times `r · a` by no more than `|r|` times what
+/// is left of the growth. The scene lies within √3 of the middle, the origin `o` within [`NEAR`] of
+/// it: if it is moved, to within √7, as the ray passes within √3 of the middle. The roundings, as
+/// multiples of `|r| u`, all of one sign and without fused operations:
+const _: () = {
+    let (origin, middle) = (NEAR, 1.75);
+    let (distance, z) = (origin + middle, origin + middle);
+    // Of r, of o, of d, of the three products, and of their sums.
+    let at = origin + origin + middle + origin + 3.0 * distance;
+    // Of r, of a, of the products, and of their two sums.
+    let along = z * (1.0 + 1.0 + 1.0 + 2.0);
+    // Of 1 / (r · a), for (r · o − d) / (r · a) and for the half width, and of the former product.
+    let quotient = distance + middle + distance;
+    let rounded = (at + along + quotient) * 0.5 * f32::EPSILON as f64;
+    assert!(rounded + BLUR_OF_F32 <= OrientedBox::GROWTH);
+    // Places where rays enter and leave are compared with some slack of their own.
+    assert!(2.0 * z * 0.5 * f32::EPSILON as f64 <= BOX_SPARE as f64);
 };
 
 /// How far away ray origins may be for the work in f32.

@@ -23,7 +23,7 @@ pub(super) const LEAST_SLOPE: f32 = 1e-12;
 
 /// Slack, in scaled coordinates, when box entries and exits are compared: some roundings of f32 at
 /// the distances a ray has inside the scene.
-pub(super) const BOX_SPARE: f32 = 4e-6;
+pub(crate) const BOX_SPARE: f32 = 4e-6;
 
 // `OrientedBox::farthest_from`, which bounds how far rays that meet a box pass, allows for no more
 // slack.

@@ -10,7 +10,7 @@ use crate::patch::ScaledFrame;
 
 /// Origins farther than this from the middle of the scene, in its half sizes, are moved nearer for
 /// the work in f32, which would otherwise lose digits to the distance.
-const NEAR: f64 = 3.0;
+pub(crate) const NEAR: f64 = 3.0;
 
 /// Slack of the ends of rays in f32, in scaled coordinates: some units of f32 for distances of a
 /// few scene sizes.

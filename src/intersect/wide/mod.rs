@@ -64,7 +64,8 @@ mod vectors;
 mod view;
 mod wanted;
 
-pub(super) use box_ray::BLUR;
+pub(super) use box_ray::{BLUR, BOX_SPARE};
+pub(super) use frames::NEAR;
 pub(super) use hit_place::HitPlace;
 pub(super) use packet::hits::LaneHit;
 pub(super) use packet::rays::Packet;

@@ -288,8 +288,8 @@ impl Local {
             turning[k] = slope;
             unique &= lane_bits((reach * error).simd_le(f32x16::splat(simd, MOST_NOISE)));
         }
-        // The sums contain the 1 that is wanted on the diagonal of `g'`, hence the two. All are
-        // false for NaN.
+        // The sums contain the 1 that is wanted on the diagonal of `g'`, hence the two: see
+        // `one_ray`. All are false for NaN.
         let two = one + one;
         let [[xx, xy], [yx, yy]] = turning;
         let (left_x, left_y) = (two - xx, two - yy);

@@ -197,8 +197,10 @@ impl<S: Simd> Local<S> {
         let slope_error = slope_error + 2.0 * DISTANCE_ROUNDING * self.size;
         let reach = [b1.abs() + b2.abs(), a1.abs() + a2.abs()];
         let off = [reach[0] * slope_error, reach[1] * slope_error];
-        // The sums contain the 1 that is wanted on the diagonal of `g'`, hence the two. All are
-        // false for NaN.
+        // The sums contain the 1 that is wanted on the diagonal of `g'`, hence the two. Rounding may
+        // have made it less, by some 6 units of the noise's sizes, so that twice that is missing:
+        // of what is allowed for noise, the 16 units of the Bernstein coefficients, which are not
+        // used here, make up for it. All are false for NaN.
         let (left_x, left_y) = (2.0 - xx - off[0], 2.0 - yy - off[1]);
         let (xy, yx) = (xy + off[0], yx + off[1]);
         let sure = (left_x * left_y - xy * yx) * MOST_INVERSE;

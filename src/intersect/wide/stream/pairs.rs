@@ -299,6 +299,7 @@ impl PairLanes {
             let middle = simd.narrow_f64x8(middle[k][0], middle[k][1]);
             // All leaves are of one form: if one is approximated by a quotient, all are.
             let weighted = leaves[0].weight.is_some();
+            debug_assert!(leaves.iter().all(|leaf| leaf.weight.is_some() == weighted));
             if weighted {
                 let mut of_lane = [0.0; LANES];
                 middle.store_slice(&mut of_lane);
