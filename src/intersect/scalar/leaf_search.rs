@@ -98,15 +98,24 @@ pub(crate) fn search_exactly(
     // The smallest ray parameter at which something of this leaf may have been missed.
     let mut doubt = f64::INFINITY;
     let mut any = false;
-    for solution in &solutions {
-        match accept(question, place, solution, None) {
-            Ok(meeting) => {
-                findings.meetings.push(meeting);
-                any = true;
+    for same in solutions.chunk_by(|a, b| a.proof == b.proof) {
+        let mut met = false;
+        for solution in same {
+            match accept(question, place, solution, None) {
+                Ok(meeting) => {
+                    findings.meetings.push(meeting);
+                    met = true;
+                }
+                Err(Dropped::InDoubt(t)) => doubt = doubt.min(t),
+                Err(Dropped::Surely) => {}
             }
-            Err(Dropped::InDoubt(t)) => doubt = doubt.min(t),
-            Err(Dropped::Surely) => {}
         }
+        // Both ends of a stretch may lie outside the ray's range, and the range between them.
+        if !met && matches!(same[0].proof, Proof::Stretch(_)) {
+            let from = open_from(same[0].proof, &problem);
+            doubt = doubt.min(from.map_or(f64::INFINITY, |z| z * ray.t_from_z));
+        }
+        any |= met;
     }
     if !any {
         if let Some(z) = from.filter(|_| !is_all && !solutions.iter().any(is_proved))

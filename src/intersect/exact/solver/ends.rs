@@ -114,13 +114,15 @@ impl ExactSolver {
         let contacts = std::mem::take(&mut self.contacts);
         for contact in &contacts {
             let ends = contact.places().map(|x| inner(problem.rect, x));
+            let [[s0, s1], [t0, t1]] = contact.rect;
+            let corners = [[s0, t0], [s1, t1]].map(|x| inner(problem.rect, x.into()));
             let proved = self.isolated.iter().any(|root| match root.proof {
-                Proof::Isolated(rect) => ends.iter().all(|&st| holds(rect, st)),
+                Proof::Isolated(rect) => corners.iter().all(|&st| holds(rect, st)),
                 _ => false,
             });
             let length = contact.z[1] - contact.z[0];
             if proved {
-                continue; // the box's only root, seen again from its edge
+                continue; // the box's only root, seen again from its edge: all of it lies in the box
             }
             if length > STRETCH * self.size {
                 let proof = Proof::Stretch(contact.z);
