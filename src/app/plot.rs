@@ -58,14 +58,28 @@ pub(crate) fn run(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
 
     let plots = plots(&scene)?;
     input::warn_of_what_is_not_shown(&arguments.input, &scene);
-    let panels = plots.into_iter().map(panel).collect::<Result<Vec<_>, _>>()?;
+    let places = (0..plots.len()).map(|index| place(arguments, &scene, index));
+    let panels = plots.into_iter().zip(places).map(|(plot, place)| panel(plot, &place));
+    let panels = panels.collect::<Result<Vec<_>, _>>()?;
     let columns = match &scene.figure.columns {
         Some(columns) => columns.value.min(panels.len()),
         None => (1..).find(|side| side * side >= panels.len()).unwrap_or(1),
     };
-    let (size, place) = size(arguments, &scene, [columns, panels.len().div_ceil(columns)])?;
-    let text = svg::svg(&panels, columns, size)
-        .map_err(|unable| refused(unable, (size, &place), (&scene, &panels)))?;
+    let (size, place_of_size) = size(arguments, &scene, [columns, panels.len().div_ceil(columns)])?;
+    let text = svg::svg(&panels, columns, size).map_err(|unable| match unable {
+        Unable::TooSmall([width, height]) => Failure::input(format!(
+            "{place_of_size}{} x {} pixels are too few for {}: at least {width}x{height} are needed",
+            size[0],
+            size[1],
+            count(panels.len() as u64, "plot"),
+        )),
+        Unable::NoExtent(index) => Failure::input(format!(
+            "{}: plot \"{}\": it has no finite extent that could be drawn",
+            place(arguments, &scene, index),
+            panels[index].title
+        )),
+        Unable::Drawing(error) => Failure::Work(error),
+    })?;
 
     let staged = paths.iter().zip(formats).map(|(path, format)| match format {
         "png" => png::stage(path, &text, size).or_failed(),
@@ -113,7 +127,9 @@ fn size(
         (None, None) => {
             let side =
                 |k: usize| PLOT_SIZE[k].saturating_mul(grid[k].try_into().unwrap_or(u32::MAX));
-            ([side(0), side(1)], String::new())
+            let columns = scene.figure.columns.as_ref();
+            let place = columns.map(|columns| format!("{}: ", columns.place)).unwrap_or_default();
+            ([side(0), side(1)], place)
         }
     };
     match size {
@@ -124,32 +140,14 @@ fn size(
     }
 }
 
-fn refused(
-    unable: Unable,
-    (size, place): ([u32; 2], &str),
-    (scene, panels): (&Scene, &[Panel]),
-) -> Failure {
-    match unable {
-        Unable::TooSmall([width, height]) => Failure::input(format!(
-            "{place}{} x {} pixels are too few for {}: at least {width}x{height} are needed",
-            size[0],
-            size[1],
-            count(panels.len() as u64, "plot"),
-        )),
-        Unable::NoExtent(index) => {
-            let place = scene.plots.get(index).map(|plot| format!("{}: ", plot.place));
-            Failure::input(format!(
-                "{}plot \"{}\": it has no finite extent that could be drawn",
-                place.unwrap_or_default(),
-                panels[index].title
-            ))
-        }
-        Unable::Drawing(error) => Failure::Work(error),
-    }
+/// Where a plot is asked for: a line of the scene, or only its file if the plot was chosen for it.
+fn place(arguments: &PlotArguments, scene: &Scene, index: usize) -> String {
+    let input = || arguments.input.display().to_string();
+    scene.plots.get(index).map_or_else(input, |plot| plot.place.to_string())
 }
 
-/// Makes the panel that draws a plot.
-fn panel(plot: Plot) -> Result<Panel, Failure> {
+/// Makes the panel that draws the plot which is asked for at `place`.
+fn panel(plot: Plot, place: &str) -> Result<Panel, Failure> {
     let Plot { title, plane, show } = plot;
     let panel = match show {
         PlotKind::Curves(entries) => space::curves(title, plane, &entries),
@@ -177,7 +175,15 @@ fn panel(plot: Plot) -> Result<Panel, Failure> {
                 .or_bad_input()?
         }
         PlotKind::Trims(surfaces) => match &surfaces[..] {
-            [only] => trims::trims(title, only).or_failed()?,
+            [only] => {
+                let called = title.clone().unwrap_or_else(|| "Trims".to_owned());
+                trims::trims(title, only).map_err(|_| {
+                    Failure::input(format!(
+                        "{place}: plot \"{called}\": the trim loops are so much larger than the \
+                         domain that they would need too many points"
+                    ))
+                })?
+            }
             _ => return Err(Failure::work("trims of several surfaces came through the check")),
         },
         PlotKind::Surfaces { of, lines, net } => {

@@ -300,10 +300,10 @@ cutting, the trims of a surface, surfaces as lines in space. What varies in all
 three coordinates is seen from an oblique direction, unless the plot says which
 plane or view it shows. A scene with plots needs no [[object]].
 
-A scene without any [[plot]], or a bare model, gets the plots that suit it: the
-curves its surfaces are made from, their trims, the basis functions over their
-knots (up to 1000 of a kind), and triangular and subdivision surfaces, and those
-with more functions each way, as lines in space.
+A scene without any [[plot]], or a bare model, gets the plots that suit it, the
+first 24 of them: the curves its surfaces are made from, their trims, triangular
+and subdivision surfaces, and those with more functions than can be drawn, as
+lines in space, and the basis functions over their knots (up to 1000 of a kind).
 
 The plots of one scene lie side by side in one picture; [figure] says how, and
 how large it is. Curves are drawn to within 0.1 pixel. The same input gives the

@@ -12,9 +12,10 @@ use super::space::pieces;
 /// The colour of what is kept: pale, so that loops and the grid's numbers show.
 const KEPT: RGBColor = RGBColor(222, 236, 246);
 
-/// The tolerance of the filled area, in shares of the domain: a twentieth of a pixel in a picture
-/// of a thousand. The curves drawn over its edges are exact to a tenth of a pixel in any picture.
-const AREA: f64 = 5e-5;
+/// Tolerances of the filled area, in shares of the domain: a twentieth of a pixel in a picture of a
+/// thousand, or half a pixel if that needs too many points. The curves drawn over its edges are
+/// exact to a tenth of a pixel in any picture.
+const AREA: [f64; 2] = [5e-5, 5e-4];
 
 /// A domain more than this many times as long as wide is stretched to fill the plot.
 const SLENDER: f64 = 4.0;
@@ -22,8 +23,8 @@ const SLENDER: f64 = 4.0;
 /// More control points than this are not drawn: they would cover the curves.
 const MOST_CONTROLS: usize = 400;
 
-/// More loops than this are not numbered: the numbers would cover the loops.
-const MOST_NUMBERS: usize = 64;
+/// More loops than this have neither numbers nor arrows, which would cover the loops.
+const MOST_MARKED: usize = 64;
 
 /// Where along a loop the heads of its two arrows may be, as shares of its length: at the first
 /// of these in the domain, and at the first more than a quarter farther on.
@@ -32,14 +33,15 @@ const ARROWS: [f64; 8] = [0.06, 0.19, 0.31, 0.44, 0.56, 0.69, 0.81, 0.94];
 /// A panel with the loops of a trimmed surface and what they keep.
 ///
 /// # Errors
-/// When the loops have absurdly many points.
+/// When the loops would have too many points: those some 10⁸ times as large as the domain.
 pub(super) fn trims(title: Option<String>, plotted: &PlottedSurface) -> Result<Panel, TrimError> {
     let Some(trimmed) = plotted.surface.trimmed() else { return Err(TrimError::NoLoops) };
     let trims = trimmed.trims();
     let bounds = trims.domain().bounds();
     let corners = [bounds.min, bounds.max];
     let border = rectangle(bounds);
-    let outlines = trims.outlines(AREA * bounds.size().min_element())?;
+    let [fine, coarse] = AREA.map(|share| share * bounds.size().min_element());
+    let outlines = trims.outlines(fine).or_else(|_| trims.outlines(coarse))?;
 
     let mut rings: Vec<Vec<DVec2>> = Vec::new();
     if trims.kept() == Kept::Even {
@@ -69,7 +71,9 @@ pub(super) fn trims(title: Option<String>, plotted: &PlottedSurface) -> Result<P
             Path { pieces: pieces(curve.knots()), at: Box::new(move |t| curve.point_at(t).xy()) };
         items.push(Item::Curve { path, stroke: Stroke::curve(color(one.kind)) });
     }
-    items.push(arrows(&outlines, bounds));
+    if plotted.loops.len() <= MOST_MARKED {
+        items.push(arrows(&outlines, bounds));
+    }
     items.extend(numbers(&plotted.loops));
 
     let title = title.unwrap_or_else(|| "Trims".to_owned());
@@ -160,7 +164,7 @@ fn step_at(line: &[DVec2], mut along: f64) -> Option<[DVec2; 2]> {
 }
 
 /// Marks where each loop begins, with the number that errors give the loop, unless there are more
-/// than [`MOST_NUMBERS`] of them.
+/// than [`MOST_MARKED`] of them.
 fn numbers(loops: &[Vec<LoopCurve>]) -> Vec<Item> {
     let starts = loops.iter().enumerate().filter_map(|(number, curves)| {
         let curve = &curves.first()?.curve;
@@ -172,7 +176,7 @@ fn numbers(loops: &[Vec<LoopCurve>]) -> Vec<Item> {
     let starts: Vec<_> = starts.collect();
     let points = starts.iter().map(|&(_, start, _)| start).collect();
     let mut items = vec![Item::Marks { points, mark: Mark::Dot, color: INK }];
-    if starts.len() > MOST_NUMBERS {
+    if starts.len() > MOST_MARKED {
         return items;
     }
     items.extend(starts.into_iter().map(|(number, at, towards)| Item::Label {

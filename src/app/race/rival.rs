@@ -62,14 +62,13 @@ impl Rival {
         tolerance: f64,
         budget: Duration,
     ) -> Result<(Self, TessellationPlan), Failure> {
-        let context = || format!("tolerance {tolerance:e}");
+        let context = || format!("{}: tolerance {tolerance:e}", model.name);
+        let fault = |error| fault(error, context());
         let distance = tolerance * model.diagonal;
         let (plan, plan_seconds) = repeat(budget, || {
-            TessellationPlan::to_distance(&model.surfaces, distance)
-                .map_err(|error| fault(tolerance, error))
+            TessellationPlan::to_distance(&model.surfaces, distance).map_err(fault)
         })?;
-        let (meshes, mesh_seconds) =
-            repeat(budget, || plan.meshes().map_err(|error| fault(tolerance, error)))?;
+        let (meshes, mesh_seconds) = repeat(budget, || plan.meshes().map_err(fault))?;
         let others = embree.bytes();
         let (scene, commit_seconds) = repeat(budget, || {
             embree.scene(&meshes, EmbreePrimitive::Grid).with_context(context).or_failed()
@@ -107,7 +106,7 @@ impl Rival {
 
 /// Makes a mesh error bad input if the tolerance asked for is too fine for any mesh, else failed
 /// work.
-fn fault(tolerance: f64, error: MeshError) -> Failure {
+fn fault(error: MeshError, context: String) -> Failure {
     let too_fine = matches!(
         error,
         MeshError::TooManyVertices { .. }
@@ -122,7 +121,7 @@ fn fault(tolerance: f64, error: MeshError) -> Failure {
         }
         error => error.into(),
     };
-    let error = error.context(format!("tolerance {tolerance:e}"));
+    let error = error.context(context);
     if too_fine { Failure::Input(error) } else { Failure::Work(error) }
 }
 

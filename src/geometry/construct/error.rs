@@ -387,8 +387,8 @@ pub enum ConstructError {
     },
     /// A tolerance is finer than rounding, or than a sensible number of pieces.
     #[error(
-        "the tolerance {} cannot be held: at t = {} of the {path}, {}, a deviation of {} is left \
-         after as many halvings as there may be",
+        "the tolerance {} cannot be held: at t = {} of the {path}, {}, the cubic pieces are as many \
+         or as short as they may be, and the next one is off by {}; a larger tolerance needs fewer",
         Measured(*.tolerance), Measured(*.t), MeasuredPoint(*.point), Measured(*.deviation)
     )]
     NotHeld {
@@ -396,7 +396,7 @@ pub enum ConstructError {
         path: &'static str,
         /// The tolerance.
         tolerance: f64,
-        /// The deviation that is left.
+        /// The deviation of the piece that begins there.
         deviation: f64,
         /// The path's parameter where it is.
         t: f64,
