@@ -280,7 +280,8 @@ fn tolerances_too_fine_for_any_mesh_are_wrong_use() {
             let line = format!("{line} --against embree --tolerance 1e-30 --seconds 1e-6");
             let run = sandbox.run(&line);
             assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{}", run.stderr);
-            assert!(run.stderr.contains("error: tolerance 1e-30: a "), "{}", run.stderr);
+            let error = format!("error: {input}: tolerance 1e-30: a ");
+            assert!(run.stderr.contains(&error), "{}", run.stderr);
             // No other tolerance was given.
             assert_eq!(run.stderr.matches("tolerance").count(), 1, "{}", run.stderr);
         }

@@ -126,8 +126,11 @@ fn look(
 
 #[cfg(test)]
 mod tests {
-    use nurbray::geometry::shapes;
+    use glam::{DVec2, DVec3};
+    use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
+    use nurbray::math::Ray;
 
+    use super::super::sites::Site;
     use super::*;
 
     #[test]
@@ -144,5 +147,25 @@ mod tests {
             assert_eq!(format!("{one:?}"), format!("{three:?}"), "{}", class.name());
         }
         assert_eq!(one.iter().map(|(_, tally)| tally.rays).sum::<u64>(), 4000);
+    }
+
+    /// A floor and a wall that are one surface, and a ray that leaves the floor beside the wall.
+    #[test]
+    fn what_is_right_behind_a_crease_is_ahead_of_a_ray_that_starts_before_it() {
+        let profile = [[-1.0, 0.0], [0.0, 0.0], [0.0, 1.0]];
+        let net = profile.iter().flat_map(|&[x, z]| [0.0, 1.0].map(|y| DVec3::new(x, y, z)));
+        let [u, v] = [3, 2].map(|count| KnotVector::clamped_uniform(1, count).unwrap());
+        let surfaces = [NurbsSurface::new(u, v, net.collect(), None).unwrap().into()];
+        let bvh = SurfaceBvh::build(&surfaces).unwrap();
+        let (judge, mut hits) = (Judge::new(&surfaces), Vec::new());
+        for (beside, is_met) in [(1e-3, true), (1e-9, true), (1e-13, true), (1e-16, false)] {
+            let start = Site { surface: 0, uv: DVec2::new(0.5 - 0.5 * beside, 0.4) };
+            let ray = Ray::new(surfaces[0].point_at(start.uv), DVec3::new(1.0, 0.3, 1.0)).unwrap();
+            let _ = bvh.tracer().exact_all_hits(&ray, &mut hits);
+            let ahead: Vec<_> =
+                hits.iter().filter(|hit| judge.is_ahead(&ray, start, hit)).collect();
+            assert_eq!(ahead.len(), usize::from(is_met), "{beside:e}: {hits:?}");
+            assert!(ahead.iter().all(|hit| (hit.t / beside - 1.0).abs() < 0.1), "{ahead:?}");
+        }
     }
 }

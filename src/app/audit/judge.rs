@@ -47,7 +47,8 @@ pub(crate) struct Finding {
 /// The exact solver's result for the ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Truth<'a> {
-    /// All hits by the exact solver.
+    /// All hits by the exact solver. If the ray leaves a root, those of the plain ray are among them,
+    /// too, as far as they [are ahead](Judge::is_ahead).
     pub(crate) hits: &'a [Hit],
     /// Whether the exact solver could not decide everything.
     pub(crate) undecided: bool,

@@ -221,9 +221,9 @@ impl<'a> RaySource<'a> {
         self.along(random, surface.point + offset * towards_center, direction)
     }
 
-    /// A ray that leaves the first hit of another, in any direction. Half of the others come in flat
-    /// and hit beside a line along which pieces meet, perhaps nearer than they know where: there a
-    /// ray may leave one side of a crease and meet the other at once.
+    /// A ray that leaves the first hit of another, in any direction. Half of these hits are flat ones
+    /// beside a line along which pieces meet, perhaps nearer than it is known where they are: if it
+    /// is a crease, a ray may leave one of its sides and meet the other at once.
     fn leaving(&self, random: &mut Random, tracer: &mut Tracer<'_>) -> Option<Shot> {
         let first = if random.coin() {
             self.through(self.anywhere_or_on_line(random), random)?.query
