@@ -70,6 +70,19 @@ impl Root {
         Self { st, error, cosine, piece, set }
     }
 
+    /// A ray may start as far across the surface as twice the root's error there (see
+    /// [`Query::leaving`](super::Query::leaving)), and the point is off by once that.
+    pub(super) const START_OFF: f64 = 3.0;
+
+    /// The root, which has a normal, for a ray that starts beside its point and meets the surface
+    /// with this cosine: if it is flatter than the ray that found the root, the root may be farther
+    /// off along it.
+    pub(super) fn seen_from_beside(&self, cosine: f64) -> Self {
+        let across = self.across();
+        let error = self.error.max((Self::START_OFF * across / cosine.abs()).min(f64::MAX));
+        Self::new(self.set, self.piece, self.st, error, across / error)
+    }
+
     /// How far across the surface the true root may be from that point, in scene units; without a
     /// normal, in any direction.
     pub(super) fn across(&self) -> f64 {

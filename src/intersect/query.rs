@@ -42,6 +42,9 @@ impl Query {
     ///
     /// Only that one root is left out. What the ray meets right behind it, beside a crease or across
     /// a gap, is met, or in doubt if it is no farther off than rounding.
+    /// From a hit on an edge that two surfaces share, to within some roundings, the ray leaves both if
+    /// it goes through both in the same sense, in or out: where neighbouring surfaces are turned
+    /// opposite ways, it may so pass the other one.
     ///
     /// Where two surfaces coincide, as those of two solids that are cemented together, a ray that
     /// leaves one of them may meet the other at once, and a ray that leaves the other may meet the
@@ -61,7 +64,10 @@ impl Query {
         let across = if has_normal { moved.dot(hit.normal).abs() } else { moved.length() };
         let is_off_surface = across > 2.0 * hit.root.across();
         let starts_there = moved.length() <= 2.0 * hit.root.error && !is_off_surface;
-        Self { ray, from: starts_there.then_some(hit.root) }
+        let direction = ray.direction() / ray.direction().abs().max_element();
+        let cosine = hit.normal.dot(direction) / direction.length();
+        let root = if has_normal { hit.root.seen_from_beside(cosine) } else { hit.root };
+        Self { ray, from: starts_there.then_some(root) }
     }
 
     /// The ray.

@@ -110,3 +110,85 @@ fn a_ray_that_leaves_a_border_meets_what_is_behind_a_gap() {
     println!("{certain} of {} certain", 8 * 2 * 3 * 4 * Kernel::ALL.len());
     assert!(certain > 100, "{certain}");
 }
+
+/// A floor and a wall that share an edge exactly, turned alike or not: a ray that leaves the floor
+/// clear of the edge, however flat, meets the wall.
+#[test]
+fn a_ray_that_starts_before_a_shared_edge_meets_the_other_face() {
+    let corner = |x: f64, z: f64| [0.0, 1.0].map(|y| DVec3::new(x, y, z));
+    let flat = |from: [DVec3; 2], to: [DVec3; 2]| {
+        let knots = || KnotVector::bezier(1).unwrap();
+        NurbsSurface::new(knots(), knots(), [from, to].concat(), None).unwrap()
+    };
+    let floor = flat(corner(-1.0, 0.0), corner(0.0, 0.0));
+    let wall = flat(corner(0.0, 0.0), corner(0.0, 1.0));
+    for wall in [wall.reversed_u(), wall] {
+        let bvh = SurfaceBvh::build(&[floor.clone(), wall]).unwrap();
+        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            let mut tracer = bvh.tracer_with(kernel);
+            let mut random = Random::new(72);
+            let mut left = 0;
+            for _ in 0..2000 {
+                let target = DVec3::new(-random.power_of_ten(-13.5, -6.0), 0.5, 0.0);
+                let way = DVec3::new(0.2, 0.3, -random.power_of_ten(-3.0, 0.0));
+                let first = tracer.first_hit(&Ray::new(target - 0.3 * way, way).unwrap());
+                let Some(hit) = first.hit.filter(|_| !first.doubtful) else { continue };
+                if hit.point.x > -2e-14 {
+                    continue;
+                }
+                let way = DVec3::new(1.0, 0.05, random.power_of_ten(-4.0, 0.0));
+                let query = Query::leaving(Ray::new(hit.point, way).unwrap(), &hit);
+                let answer = tracer.first_hit(&query);
+                assert!(answer.hit.is_some() || answer.doubtful, "{kernel}: {query:?}");
+                left += 1;
+            }
+            assert!(left > 1000, "{left}");
+        }
+    }
+}
+
+/// A ray may start where `o + t d` comes to, beside the hit that it leaves. If it leaves at a flatter
+/// angle than the first ray came, it is farther off along it: the hit is not met again for all that.
+#[test]
+fn a_start_beside_the_hit_is_not_met_again_by_a_flatter_ray() {
+    let sphere = SurfaceBvh::build(&[shapes::sphere(1.0).unwrap()]).unwrap();
+    let plane = SurfaceBvh::build(&[shapes::plane(2.0, 2.0).unwrap()]).unwrap();
+    for (bvh, is_sphere) in [(&sphere, true), (&plane, false)] {
+        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            let mut tracer = bvh.tracer_with(kernel);
+            let mut random = Random::new(73);
+            let (mut onward, mut doubtful) = (Vec::new(), 0);
+            for k in 0..3000 {
+                let at = match is_sphere {
+                    true => random.direction(),
+                    false => DVec3::new(random.between(-0.9, 0.9), random.between(-0.9, 0.9), 0.0),
+                };
+                let normal = if is_sphere { at } else { DVec3::Z };
+                let way = (random.perpendicular(normal) - 2.0 * normal).normalize();
+                let far = [1.0, 100.0, 1e4][k % 3];
+                let ray = Ray::new(at - far * way, way).unwrap();
+                let first = tracer.first_hit(&ray);
+                let Some(hit) = first.hit.filter(|_| !first.doubtful) else { continue };
+                let normal = if is_sphere { hit.point.normalize() } else { DVec3::Z };
+                let way = random.perpendicular(normal) + random.power_of_ten(-4.0, 0.0) * normal;
+                let query = Query::leaving(Ray::new(ray.at(hit.t), way).unwrap(), &hit);
+                assert!(query.start_root().is_some());
+                let answer = tracer.first_hit(&query);
+                assert!(answer.hit.is_none() || answer.doubtful, "{kernel}: {query:?}: {answer:?}");
+                let shadow = tracer.occluded(&query);
+                assert!(!shadow.occluded || shadow.doubtful, "{kernel}: {query:?}");
+                doubtful += u32::from(answer.doubtful);
+                onward.push(query);
+            }
+            println!("{kernel}: {} left beside their hit, {doubtful} in doubt", onward.len());
+            assert!(onward.len() > 2500, "{}", onward.len());
+            for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+                let (mut answers, mut shadows) = (Vec::new(), Vec::new());
+                tracer.first_hits(&onward, coherence, &mut answers);
+                tracer.occlusions(&onward, coherence, &mut shadows);
+                assert!(answers.iter().all(|answer| answer.hit.is_none() || answer.doubtful));
+                assert!(shadows.iter().all(|shadow| !shadow.occluded || shadow.doubtful));
+            }
+        }
+    }
+}

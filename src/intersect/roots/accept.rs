@@ -261,10 +261,11 @@ impl<'a> Candidate<'a> {
                 && (at_trims || self.is_at_border(more))
         };
         let off = z_error + start.error;
-        if is_at_place(off, 0.0) && start.has_edge_at(point) && is_short(self.leaf, off) {
+        let is_edge = start.is_on_edge() && start.has_edge_at(point);
+        if is_at_place(off, 0.0) && is_edge && is_short(self.leaf, off) {
             return Err(Dropped::Surely);
         }
-        let is_in_doubt = is_at_place(farthest, most_off) && start.is_at_edge(most_off);
+        let is_in_doubt = is_at_place(farthest, most_off) && start.may_be_on_edge(most_off);
         if is_in_doubt { Err(Dropped::InDoubt(0.0)) } else { Ok(()) }
     }
 

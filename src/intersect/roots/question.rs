@@ -35,7 +35,7 @@ impl<'a> Question<'a> {
         let piece = &self.set.pieces()[root.piece as usize];
         let jet = piece.patch.jet(root.st);
         let cosine = piece.normal(root.st, &jet).map_or(0.0, |normal| normal.dot(self.ray.axis));
-        let error = root.error.min(START_OFF * root.across() / cosine.abs()); // not if 0 / 0
+        let error = root.error.min(Root::START_OFF * root.across() / cosine.abs()); // not if 0 / 0
         let rounding = piece.patch.error_bound(self.ray.magnitude);
         Some(Start { root, piece, jet, cosine, error, rounding })
     }
@@ -46,10 +46,6 @@ const CLEAR_SIDE: f64 = 1e-4;
 
 /// Two surfaces share a border if it is no farther off, in errors, than both may be.
 const SHARED: f64 = 2.0;
-
-/// A ray may start as far from the point of a root as twice the root's error (see
-/// [`Query::leaving`]), and the point is off by once that.
-const START_OFF: f64 = 3.0;
 
 /// The root that a ray starts on, seen from another one.
 pub(super) struct Start<'a> {
@@ -94,13 +90,21 @@ impl Start<'_> {
         distances.into_iter().any(|distance| distance <= reach)
     }
 
-    /// Whether the start is on a border or a trim edge, if it may be off by `more` than rounding: on
-    /// trims, by more than its error.
-    pub(super) fn is_at_edge(&self, more: f64) -> bool {
+    /// Whether the start is on a border or a trim edge, to within rounding.
+    pub(super) fn is_on_edge(&self) -> bool {
+        self.is_beside_edge(0.0, self.rounding)
+    }
+
+    /// Whether the start may be on a border or a trim edge, if it may be off by `more` than rounding:
+    /// on trims, by more than its error.
+    pub(super) fn may_be_on_edge(&self, more: f64) -> bool {
+        self.is_beside_edge(more, self.root.error + more)
+    }
+
+    fn is_beside_edge(&self, more: f64, at_trims: f64) -> bool {
         let Self { root, piece, ref jet, .. } = *self;
-        let trim_reach = || trim_reach(jet, root.error + more);
         at_border(piece, root.st, jet, self.rounding + more)
-            || matches!(piece.side(root.st, trim_reach()), Side::Edge { .. })
+            || matches!(piece.side(root.st, trim_reach(jet, at_trims)), Side::Edge { .. })
     }
 
     /// Whether the surface's border, or a trim edge of it, passes a point near the start within
