@@ -42,6 +42,7 @@ impl Query {
     ///
     /// Only that one root is left out. What the ray meets right behind it, beside a crease or across
     /// a gap, is met, or in doubt if it is no farther off than rounding.
+    ///
     /// From a hit on an edge that two surfaces share, to within some roundings, the ray leaves both if
     /// it goes through both in the same sense, in or out: where neighbouring surfaces are turned
     /// opposite ways, it may so pass the other one.

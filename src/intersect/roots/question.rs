@@ -35,7 +35,8 @@ impl<'a> Question<'a> {
         let piece = &self.set.pieces()[root.piece as usize];
         let jet = piece.patch.jet(root.st);
         let cosine = piece.normal(root.st, &jet).map_or(0.0, |normal| normal.dot(self.ray.axis));
-        let error = root.error.min(Root::START_OFF * root.across() / cosine.abs()); // not if 0 / 0
+        // A quotient that is not a number counts for nothing.
+        let error = root.error.min(Root::START_OFF * root.across() / cosine.abs());
         let rounding = piece.patch.error_bound(self.ray.magnitude);
         Some(Start { root, piece, jet, cosine, error, rounding })
     }
