@@ -29,6 +29,7 @@ use std::process::ExitCode;
 
 use anyhow::anyhow;
 use nurbray::geometry::NurbsCurve;
+use nurbray::geometry::trim::TrimError;
 use nurbray::io::{put_all_in_place, stage};
 use nurbray::scene::{Plot, PlotKind, PlottedCurve, Scene};
 
@@ -115,7 +116,8 @@ fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
 }
 
 /// Returns the size of the picture: the command line's, else the scene's, else a fixed size for
-/// each plot. Also returns what to put before a message about it: where the scene gives it.
+/// each plot. Also returns what to put before a message about it: where the scene gives it, or the
+/// number of columns that it follows from.
 fn size(
     arguments: &PlotArguments,
     scene: &Scene,
@@ -176,12 +178,13 @@ fn panel(plot: Plot, place: &str) -> Result<Panel, Failure> {
         }
         PlotKind::Trims(surfaces) => match &surfaces[..] {
             [only] => {
-                let called = title.clone().unwrap_or_else(|| "Trims".to_owned());
-                trims::trims(title, only).map_err(|_| {
-                    Failure::input(format!(
-                        "{place}: plot \"{called}\": the trim loops are so much larger than the \
-                         domain that they would need too many points"
-                    ))
+                let title = title.unwrap_or_else(|| "Trims".to_owned());
+                trims::trims(title.clone(), only).map_err(|error| match error {
+                    TrimError::Tolerance { limit, .. } => Failure::input(format!(
+                        "{place}: plot \"{title}\": the trim loops are so much larger than the \
+                         domain that they would need more than {limit} points"
+                    )),
+                    error => Failure::Work(error.into()),
                 })?
             }
             _ => return Err(Failure::work("trims of several surfaces came through the check")),

@@ -142,18 +142,20 @@ const _: () = {
 /// A point of a leaf is inside the pair of planes of each row `r` of its box: `|r · p − d| ≤ 1` less
 /// `|r|` times the growth. So the test in f32 finds the point of the ray that is nearest to it
 /// inside, if it is wrong about `r · o − d` plus `z` times `r · a` by no more than `|r|` times what
-/// is left of the growth. The scene lies within √3 of the middle, the origin `o` within [`NEAR`] of
-/// it: if it is moved, to within √7, as the ray passes within √3 of the middle. The roundings, as
-/// multiples of `|r| u`, all of one sign and without fused operations:
+/// is left of the growth. The scene lies within √3 of the middle, and so does the plane halfway
+/// between the two, as some of the leaf's control points lie on either side of it: `|d| ≤ √3 |r|`,
+/// and half of their distance is no more than √3. The origin `o` lies within [`NEAR`]: if it is
+/// moved, to within √7, as the ray passes within √3 of the middle. The roundings, as multiples of
+/// `|r| u`, all of one sign and without fused operations:
 const _: () = {
-    let (origin, middle) = (NEAR, 1.75);
-    let (distance, z) = (origin + middle, origin + middle);
+    let (origin, scene) = (NEAR, 1.75);
+    let (distance, z) = (origin + scene, origin + scene);
     // Of r, of o, of d, of the three products, and of their sums.
-    let at = origin + origin + middle + origin + 3.0 * distance;
+    let at = origin + origin + scene + origin + 3.0 * distance;
     // Of r, of a, of the products, and of their two sums.
     let along = z * (1.0 + 1.0 + 1.0 + 2.0);
     // Of 1 / (r · a), for (r · o − d) / (r · a) and for the half width, and of the former product.
-    let quotient = distance + middle + distance;
+    let quotient = distance + scene + distance;
     let rounded = (at + along + quotient) * 0.5 * f32::EPSILON as f64;
     assert!(rounded + BLUR_OF_F32 <= OrientedBox::GROWTH);
     // Places where rays enter and leave are compared with some slack of their own.

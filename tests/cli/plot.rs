@@ -322,6 +322,39 @@ fn what_cannot_be_plotted_is_told_with_its_place() {
     sandbox.run("plot empty.toml -o p.svg").failed(2, &format!("empty.toml: {hint}"));
 }
 
+/// Loops far larger than the domain, and pictures of as many columns as no screen has.
+#[test]
+fn what_is_too_large_to_plot_is_told_with_its_place() {
+    let plane = |radius: f64| {
+        let middle = 0.5 - radius;
+        format!(
+            "[[object]]\nname = \"disk\"\nshape = \"plane\"\n\
+             trims = {{ loops = [{{ circle = {{ center = [0.5, {middle}], radius = {radius} }} }}] }}\n"
+        )
+    };
+    let chosen = plane(1e8);
+    let asked =
+        format!("{chosen}[[plot]]\ntitle = \"A\"\nshow = {{ trims = {{ of = \"disk\" }} }}\n");
+    let unnamed = plane(0.25).replace("name = \"disk\"\n", "");
+    let wide = format!("{}[figure]\ncolumns = 100\n", unnamed.repeat(30));
+    let files = [("chosen.toml", &*chosen), ("asked.toml", &asked), ("wide.toml", &wide)];
+    let sandbox = Sandbox::with(&files);
+    for (line, message) in [
+        (
+            "plot chosen.toml -o out.svg",
+            "chosen.toml: plot \"Trims of disk\": the trim loops are so",
+        ),
+        ("plot asked.toml -o out.svg", "asked.toml:7:8: plot \"A\": the trim loops are so much"),
+        ("plot wide.toml -o out.svg", "wide.toml:92:11: "),
+    ] {
+        let run = sandbox.run(line);
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{}", run.stderr);
+        assert!(run.stderr.contains(&format!("error: {message}")), "{}", run.stderr);
+    }
+    fs::write(sandbox.path("near.toml"), plane(1e7)).unwrap();
+    sandbox.run("plot near.toml -o out.svg").succeeded();
+}
+
 /// An SVG's words and numbers.
 fn tokens(svg: &str) -> Vec<Result<f64, &str>> {
     let breaks = |c: char| c.is_whitespace() || "\",=<>()".contains(c);

@@ -80,8 +80,8 @@ const TANGENT_FACTOR: f64 = 4.0;
 /// with rounding for `b` and this constant for `c`, that is 1e-11 of the coordinates' size.
 const SURE_INCIDENCE: f64 = 0.01;
 
-/// How many times its error along the ray the start of a ray is off at most: a few, as the ray
-/// starts at the point of the hit that it leaves.
+/// What a plain ray meets counts as ahead of a start beyond this many times the start's error along
+/// the ray: the start may be off by that, and so may what another surface has there.
 const START: f64 = 4.0;
 
 /// Compares answers for one set of surfaces.

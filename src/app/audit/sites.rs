@@ -20,7 +20,7 @@ pub(crate) struct Site {
 /// sixteenth of a piece, but those at trim edges are cut down by steps of a 256th.
 const HALVINGS: usize = 8;
 
-/// How many points find the model's box: of a sphere, all but some hundredths of its radius.
+/// How many points find the model's box.
 const BOX_SAMPLES: u64 = 1 << 14;
 
 /// The stream of random numbers of these points; rays have others.

@@ -34,7 +34,7 @@ const ARROWS: [f64; 8] = [0.06, 0.19, 0.31, 0.44, 0.56, 0.69, 0.81, 0.94];
 ///
 /// # Errors
 /// When the loops would have too many points: those some 10⁸ times as large as the domain.
-pub(super) fn trims(title: Option<String>, plotted: &PlottedSurface) -> Result<Panel, TrimError> {
+pub(super) fn trims(title: String, plotted: &PlottedSurface) -> Result<Panel, TrimError> {
     let Some(trimmed) = plotted.surface.trimmed() else { return Err(TrimError::NoLoops) };
     let trims = trimmed.trims();
     let bounds = trims.domain().bounds();
@@ -76,7 +76,6 @@ pub(super) fn trims(title: Option<String>, plotted: &PlottedSurface) -> Result<P
     }
     items.extend(numbers(&plotted.loops));
 
-    let title = title.unwrap_or_else(|| "Trims".to_owned());
     let axes = ["u", "v"].map(str::to_owned);
     let size = bounds.size();
     let slender = size.max_element() > SLENDER * size.min_element();

@@ -321,7 +321,8 @@ pub enum TrimError {
     },
     /// The loops are so entangled that checking them for crossings is refused.
     #[error(
-        "the loops are so close together, or so entangled, that comparing {limit} pairs of their parts did not tell whether they cross"
+        "the loops are so close together, or so entangled, that comparing {limit} pairs of their \
+         parts did not tell whether they cross"
     )]
     Entangled {
         /// The number of pairs that are compared for loops of this length.
