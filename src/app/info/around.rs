@@ -50,6 +50,12 @@ impl Around {
         Self { along: tangent, inward: across.normalize() }
     }
 
+    /// Whether a vector from the point leads over the surface, to first order; false if that is not
+    /// known.
+    pub(super) fn is_inward(&self, way: DVec3) -> bool {
+        self.inward.dot(way) > 0.0
+    }
+
     /// How the surfaces of two edges are turned that meet at this point: alike if the edges run
     /// against each other, at any angle between the surfaces. `None` if the edges are not parallel
     /// or have no direction, and for surfaces that lie on each other: copies of one are as they

@@ -364,6 +364,32 @@ mod tests {
         assert_eq!((fit.trim_edges, fit.collapsed, fit.free, fit.gaps.len()), (0, 1, 3, 0));
     }
 
+    /// Across a narrow surface, and in a sharp tip of one, there is no gap, but there is where a
+    /// surface nearly closes.
+    #[test]
+    fn the_width_of_a_surface_is_no_gap() {
+        let strip = shapes::plane(1.0, 1e-3).unwrap();
+        let fit_of = |strip: &NurbsSurface| fit(std::slice::from_ref(strip), 2.0);
+        assert_eq!((fit_of(&strip).free, fit_of(&strip).gaps.len()), (4, 0));
+
+        let domain = TrimDomain::of(&strip).unwrap();
+        let tip = [(0.1, 0.1), (0.9, 0.1), (0.5, 0.8)].map(DVec2::from);
+        let tip = TrimLoop::polygon(&tip).unwrap();
+        let trims = Trims::new(domain, Kept::Odd, &[tip]).unwrap();
+        let tip = TrimmedSurface::new(strip, trims).unwrap().into();
+        let fit = super::fit(&[tip], &[], &[2.0]);
+        // Two of its sides are nearly in line.
+        assert_eq!((fit.trim_edges, fit.free, fit.gaps.len()), (2, 2, 0));
+
+        // A strip bent into a tube that stays open.
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 1e-3]];
+        let net = corners.iter().flat_map(|&[x, y]| [0.0, 1.0].map(|z| DVec3::new(x, y, z)));
+        let [around, up] = [5, 2].map(|count| KnotVector::clamped_uniform(1, count).unwrap());
+        let open = fit_of(&NurbsSurface::new(around, up, net.collect(), None).unwrap());
+        assert_eq!((open.nearly, open.gaps.len()), (2, 1));
+        assert!((open.gaps[0].width - 1e-3).abs() < 1e-14, "{}", open.gaps[0].width);
+    }
+
     #[test]
     fn seams_and_poles_of_closed_shapes_fit() {
         let sphere = fit(&[shapes::sphere(1.0).unwrap()], 2.0);

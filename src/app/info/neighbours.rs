@@ -3,6 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::border_curve::BorderCurve;
 use super::edges::Edges;
 use super::nearest::{Crowd, View};
 
@@ -98,16 +99,29 @@ fn distances(
     view: &View,
 ) -> Vec<(usize, f64)> {
     let [curve, other] = [from, to].map(|k| &edges.curves[k].1);
+    let is_one = edges.curves[from].0.surface == edges.curves[to].0.surface;
+    let rounding = edges.rounding([from, to]);
     let distance = |k: usize| {
         let sample = &curve.samples()[k];
         let distance = match view.known(to, k) {
-            Some(known) => known,
-            None if !sample.kept => None,
-            None => other.nearest(sample.point, near).map(|foot| foot.distance),
+            Some(known) => known?,
+            None if !sample.kept => return None,
+            None => other.nearest(sample.point, near)?.distance,
         };
-        Some((k, distance?))
+        // Across a narrow part of a surface there is another edge of it, but no gap.
+        let is_across = is_one && distance > rounding && leads_inside(curve, k, other, near);
+        (!is_across).then_some((k, distance))
     };
     curve.samples_beside(other, near).into_iter().filter_map(distance).collect()
+}
+
+/// Whether the way from a sample of a curve to the nearest point of another one leads into the
+/// curve's surface.
+fn leads_inside(curve: &BorderCurve<'_>, k: usize, other: &BorderCurve<'_>, near: f64) -> bool {
+    let sample = &curve.samples()[k];
+    let foot = other.nearest(sample.point, near);
+    let around = curve.around(sample.t);
+    foot.zip(around).is_some_and(|(foot, around)| around.is_inward(foot.point - sample.point))
 }
 
 /// How far two borders are apart, and where.
