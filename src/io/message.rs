@@ -14,7 +14,7 @@ const KINDS: [(&str, &str); 5] = [
 
 /// Keys and names that stand in the wrong table, are in the wrong unit, or have another name here:
 /// the key, a key that this table does have, and what to write instead.
-const ELSEWHERE: [(&str, &str, &str); 29] = [
+const ELSEWHERE: [(&str, &str, &str); 34] = [
     ("radians", "degrees", "degrees = …"),
     ("fov", "perspective", "perspective = { fov = … }"),
     ("height", "orthographic", "orthographic = { height = … }"),
@@ -43,6 +43,11 @@ const ELSEWHERE: [(&str, &str, &str); 29] = [
     ("scale", "shape", "transform = [{ scale = … }]"),
     ("transform", "knots_u", "it under [[object]], above the tables of its shape"),
     ("material", "knots_u", "it under [[object]], above the tables of its shape"),
+    ("transform", "profile", "it under [[object]], above the tables of its shape"),
+    ("material", "profile", "it under [[object]], above the tables of its shape"),
+    ("transform", "radius", "it under [[object]], above the tables of its shape"),
+    ("material", "radius", "it under [[object]], above the tables of its shape"),
+    ("background", "shape", "it at the top of the scene, above its first table"),
     ("plane", "net", "it under [[plot]], above the tables of what it shows"),
     ("order", "degree", "degree = …, which is the order less 1"),
     ("center", "radius", "transform = [{ translate = [x, y, z] }] under [[object]]"),
@@ -314,6 +319,14 @@ mod tests {
         assert_eq!(
             explain("unknown field `transform`, expected one of `degree`, `knots_u`", "transform"),
             "unknown key \"transform\"; write it under [[object]], above the tables of its shape"
+        );
+        assert_eq!(
+            explain("unknown field `material`, expected `radius`", "material"),
+            "unknown key \"material\"; write it under [[object]], above the tables of its shape"
+        );
+        assert_eq!(
+            explain("unknown field `background`, expected one of `name`, `shape`", "background"),
+            "unknown key \"background\"; write it at the top of the scene, above its first table"
         );
     }
 

@@ -335,7 +335,8 @@ mod tests {
                 "{text}"
             );
         }
-        for cut in ["", "\u{93}NUM", "\u{93}NUMPY\u{1}"] {
+        assert!(message(&[]).ends_with("the file is empty"));
+        for cut in ["\u{93}NUM", "\u{93}NUMPY\u{1}"] {
             let bytes: Vec<u8> = cut.chars().map(|c| c as u8).collect();
             assert!(message(&bytes).ends_with("it ends within the header"), "{cut}");
         }

@@ -53,6 +53,9 @@ pub(super) fn read_header(
     if !MAGIC.starts_with(magic) {
         return Err(wrong(&format!("it does not begin with \\x93NUMPY{}", instead_of(&bytes))));
     }
+    if bytes.is_empty() {
+        return Err(wrong("the file is empty"));
+    }
     if bytes.len() < 8 {
         return Err(short(io::ErrorKind::UnexpectedEof.into()));
     }

@@ -431,6 +431,7 @@ impl<'a> Reader<'a> {
             ImportNote { place: self.source.place(*first), what, why: (*why).to_owned() }
         });
         let notes = notes.collect();
+        let has_faces = self.left_out.iter().any(|(what, ..)| *what == DEGENERATE);
         let (source, offsets) = (self.source, self.offsets);
         match Cage::new(self.parts) {
             Ok(cage) => Ok(CageModel { cage, notes }),
@@ -444,6 +445,9 @@ impl<'a> Reader<'a> {
                     None => source.file().clone(),
                 };
                 let message = match error {
+                    CageError::Empty if has_faces => {
+                        "no face of the file has three different corners: it is no cage".to_owned()
+                    }
                     CageError::Empty => "the file has no faces: it is no cage".to_owned(),
                     _ => format!("{error} (counted from 0)"),
                 };

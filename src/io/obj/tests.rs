@@ -222,7 +222,7 @@ fn what_other_programs_leave_behind_is_noted() {
     );
     assert_eq!(
         error(&format!("{square}f 1 1 2 2\n")),
-        "x.obj: the file has no faces: it is no cage"
+        "x.obj: no face of the file has three different corners: it is no cage"
     );
     assert!(
         note(&format!("{square}f 1 2 3 4\ncall other.obj\n")).contains("no other file is read")

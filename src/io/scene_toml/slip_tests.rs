@@ -37,6 +37,10 @@ fn what_is_often_written_otherwise_is_shown() {
             "[camera]\nzoom = 2\nangle = 30",
             "4:1: unknown key \"zoom\"; known: look_from, look_at, up, perspective, orthographic",
         ),
+        (
+            "[camera]\nlook_at = [0, 0, 0];",
+            "4:20: found ;, needed the end of the line: nothing follows a value",
+        ),
     ] {
         assert_eq!(error(&with_sphere(lines)), format!("s.toml:{message}"), "{lines}");
     }

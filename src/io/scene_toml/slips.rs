@@ -56,6 +56,9 @@ pub(super) fn slip(message: &str, source: &Source<'_>, offset: usize) -> Option<
         COMMA_IN_BRACES => no_brackets(before, after),
         LEADING_ZERO => leading_zero(after),
         TWICE => table_twice(before, after),
+        LINE_GOES_ON if after.starts_with(';') => {
+            Some("found ;, needed the end of the line: nothing follows a value".into())
+        }
         LINE_GOES_ON => unfit_bracket(source, offset)
             .or_else(|| no_brackets(before, after))
             .or_else(|| comma_at_end(before, after)),
