@@ -23,32 +23,37 @@
 //!
 //! | | |
 //! |---|---|
-//! | `tree` | the hierarchy of boxes that all kernels traverse |
-//! | `scalar` | what is computed: the readable specification |
-//! | `roots` | which roots count as hits |
+//! | *what is computed* | |
+//! | `scalar` | the readable specification: the leaves a ray may meet, and its roots on one leaf |
+//! | `roots` | which roots count as hits, and which where surfaces end |
 //! | `crossings` | which hits are one crossing |
-//! | `exact` | why it is certain: the exact solver |
-//! | `wide` | how it is made fast: the other kernels, and their proofs |
-//! | `tracer` | how a tracer asks those kernels, and puts answers together |
+//! | `tracer` | which kernel is asked, and what is reported of what it finds |
+//! | *why it is certain* | |
+//! | `patch/certificate` | made once for a leaf: which rays meet it at most once |
+//! | `exact` | for any ray: all roots on a leaf, by subdivision and proof |
+//! | `wide/proof` | for one ray, by a leaf's approximation: that it misses the leaf or meets it once (`one_ray`), that a root is its only one (`screen`), that it never comes back to the leaf it starts on (`departure`) |
+//! | *how it is made fast* | |
+//! | `tree` | the hierarchy of boxes that all kernels traverse |
+//! | `wide` | the fast kernels |
 //!
-//! The scalar [`Kernel`] is the readable specification: `scalar` finds leaves, and the roots of a
-//! ray on a leaf by Newton's iteration or the `exact` solver; `tracer` turns roots into answers.
+//! The fast kernels trace coherent batches ([`Coherence`]) in packets and search sixteen rays at a
+//! time in f32. For first hits of incoherent batches they search sixteen pairs of a ray and a leaf
+//! at a time, in large scenes for occlusion, too; for one ray, or else for the occlusion of
+//! incoherent batches, they test sixteen boxes at a time. Things that are small compared with the
+//! scene are searched in coordinates of their own (regions of the `tree`), since f32 would not
+//! resolve them otherwise. Each hit is finished in f64 on the true surface. What no certificate and
+//! no proof decides goes to the scalar search. The answer for a ray does not depend on its
+//! neighbours.
 //!
-//! Answers are certain because of two proofs: one per leaf, made once (its certificate: which rays
-//! meet the leaf at most once), and one per ray (the `exact` solver's test of existence and
-//! uniqueness). `roots` says which roots count where surfaces end. The fast kernels add three
-//! proofs of their own, in `wide/proof`: what a leaf's approximation proves about one ray
-//! (`one_ray`) or about its only root (`screen`), and when a ray that leaves a leaf cannot come
-//! back to it (`departure`).
+//! # Names
 //!
-//! The other kernels, in `wide`, are fast. They trace coherent batches ([`Coherence`]) in packets
-//! and search sixteen rays at a time in f32. For first hits of incoherent batches they search
-//! sixteen pairs of a ray and a leaf at a time, in large scenes for occlusion, too; for one ray,
-//! or else for the occlusion of incoherent batches, they test sixteen boxes at a time. Things that
-//! are small compared with the scene are searched in coordinates of their own (regions of the
-//! `tree`), since f32 would not resolve them otherwise. Each hit is finished in f64 on the true
-//! surface. What neither the certificate nor those proofs decide goes to the scalar search. The
-//! answer for a ray does not depend on its neighbours.
+//! | | |
+//! |---|---|
+//! | `t`, `z` | distance along a ray, as its parameter and in scene units: `t = z · t_from_z` |
+//! | `u`, `v` | parameters of a surface, in its knots' domain (of charts, `chart_uv`) |
+//! | `st` | parameters of a Bézier piece, from 0 to 1 (its `t` is not the ray's) |
+//! | `x`, `y` | in a leaf's box, from −1 to 1; of a ray's frame, distances from its two planes |
+//! | `error` | how far off a point may be across the ray; `z_error`, `t_error`: along it |
 //!
 //! A place where a ray meets a surface has several names on its way to the caller:
 //!
@@ -101,6 +106,7 @@ mod bvh;
 mod coherence;
 mod crossings;
 mod exact;
+mod f32_reach;
 mod flags;
 mod hit;
 mod kernel;
@@ -111,6 +117,7 @@ mod scalar;
 mod statistics;
 mod tracer;
 mod tree;
+mod wanted;
 mod wide;
 
 pub use bvh::SurfaceBvh;

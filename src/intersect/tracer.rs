@@ -1,12 +1,13 @@
 //! Queries: first hit, any hit, all hits.
 //!
-//! The scalar search is asked here. The fast kernels are asked in three ways, and the scalar search
-//! about what they leave undecided: one ray at a time (`singles`), in `packets` if rays are
-//! coherent, and else in `streams`.
+//! `scalar` asks the scalar search, about rays and about what the fast kernels leave undecided.
+//! These are asked in three ways: one ray at a time (`singles`), in `packets` if rays are coherent,
+//! and else in `streams`. `answer` makes answers of what is met.
 
+mod answer;
 mod between;
-mod looks;
 mod packets;
+mod scalar;
 mod singles;
 mod streams;
 
@@ -14,22 +15,18 @@ use std::fmt;
 
 use glam::DVec3;
 
-use self::looks::reported_normal;
+use self::answer::hit;
+use self::scalar::exactly;
 use super::crossings::merge::merge;
 use super::level::Level;
 use super::query::{OneShot, Shots};
-use super::roots::accept::AROUND;
 use super::roots::meeting::Meeting;
-use super::roots::question::{PlacedLeaf, Question};
+use super::roots::placed_leaf::PlacedLeaf;
 use super::scalar::findings::Findings;
-use super::scalar::leaf_search;
 use super::tree::nodes::ChildCode;
-use super::wide::{BvhView, PACKET, Packet, SingleWork, Stream, Work};
-use super::{
-    Answer, Coherence, Hit, HitFlags, Kernel, Occlusion, Query, Root, Shot, Statistics, SurfaceBvh,
-};
-use crate::math::RayFrame;
-use crate::patch::{OrientedBox, Passage, PatchSet};
+use super::wide::{BvhView, PACKET, Packet, PacketWork, SingleWork, Stream};
+use super::{Answer, Coherence, Hit, Kernel, Occlusion, Shot, Statistics, SurfaceBvh};
+use crate::patch::OrientedBox;
 
 /// Answers queries on one thread; holds the scratch memory and the counts.
 ///
@@ -90,7 +87,7 @@ impl SurfaceBvh {
     }
 
     /// A leaf with its piece and the given box, for a search.
-    fn place<'b>(&'b self, leaf: u32, oriented: &'b OrientedBox) -> PlacedLeaf<'b> {
+    fn placed<'b>(&'b self, leaf: u32, oriented: &'b OrientedBox) -> PlacedLeaf<'b> {
         let leaf = &self.leaves[leaf as usize];
         PlacedLeaf { leaf, oriented, piece: &self.set.pieces()[leaf.piece as usize] }
     }
@@ -100,7 +97,7 @@ impl SurfaceBvh {
 #[derive(Debug)]
 struct PacketScratch {
     packet: Packet,
-    work: Work,
+    work: PacketWork,
     /// What the scalar search found, with the ray's place in the packet.
     meetings: Vec<(usize, Meeting)>,
     /// For each ray, the smallest ray parameter at which something may have been missed.
@@ -111,7 +108,7 @@ impl Default for PacketScratch {
     fn default() -> Self {
         Self {
             packet: Packet::default(),
-            work: Work::default(),
+            work: PacketWork::default(),
             meetings: Vec::new(),
             doubt: [f64::INFINITY; PACKET],
         }
@@ -128,9 +125,6 @@ impl fmt::Debug for Tracer<'_> {
             .finish_non_exhaustive()
     }
 }
-
-/// How a leaf is searched.
-type Search = fn(&Question<'_>, &PlacedLeaf<'_>, &Passage, f64, &mut Findings);
 
 impl<'a> Tracer<'a> {
     fn new(bvh: &'a SurfaceBvh, kernel: Kernel) -> Self {
@@ -167,14 +161,9 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// The first hit of a ray by the scalar kernel.
-    fn scalar_first(&mut self, query: &Query) -> Answer {
-        self.first(query, leaf_search::search)
-    }
-
     /// The first hit found by the exact solver alone: slow, and independent of the kernel.
     pub fn exact_first_hit<Q: Shot>(&mut self, shot: &Q) -> Answer {
-        self.first(&shot.query(), exactly)
+        self.first_by(exactly, &shot.query())
     }
 
     /// Whether anything lies on a ray within its range.
@@ -187,17 +176,6 @@ impl<'a> Tracer<'a> {
             Some(level) => self.single_any(level, shot),
             None => self.scalar_any(&shot.query()),
         }
-    }
-
-    /// Whether anything lies on a ray, by the scalar kernel.
-    fn scalar_any(&mut self, query: &Query) -> Occlusion {
-        let frame = RayFrame::new(&query.ray);
-        let question = Question::new(&self.bvh.set, query, &frame);
-        self.collect(&question, leaf_search::search, |meetings| {
-            // One certain hit is enough; a doubtful one keeps the search going.
-            if meetings.iter().any(Meeting::is_certain) { f64::NEG_INFINITY } else { f64::INFINITY }
-        });
-        self.findings.occlusion()
     }
 
     /// All hits of a ray, by increasing `t`; `hits` is cleared and filled. Returns whether the
@@ -216,7 +194,7 @@ impl<'a> Tracer<'a> {
         let query = shot.query();
         let axis = match self.level {
             Some(level) if !self.is_beyond_f32(&query.ray) => self.single_all(level, &query),
-            _ => self.collect_all(&query, leaf_search::search),
+            _ => self.scalar_all(&query),
         };
         self.merge(axis, hits)
     }
@@ -225,16 +203,8 @@ impl<'a> Tracer<'a> {
     /// slow, and independent of certificates and kernels.
     #[must_use = "`true` says that the hits are in doubt"]
     pub fn exact_all_hits<Q: Shot>(&mut self, shot: &Q, hits: &mut Vec<Hit>) -> bool {
-        let axis = self.collect_all(&shot.query(), exactly);
+        let axis = self.all_by(exactly, &shot.query());
         self.merge(axis, hits)
-    }
-
-    /// Puts the meetings with all leaves into the findings; returns the ray's unit direction.
-    fn collect_all(&mut self, query: &Query, search: Search) -> DVec3 {
-        let frame = RayFrame::new(&query.ray);
-        let question = Question { all_hits: true, ..Question::new(&self.bvh.set, query, &frame) };
-        self.collect(&question, search, |_| f64::INFINITY);
-        frame.axis
     }
 
     /// Makes hits of the meetings found with a ray of this unit direction; returns whether they are
@@ -334,125 +304,11 @@ impl<'a> Tracer<'a> {
             Some(level) if coherence == Coherence::Coherent => {
                 self.occlusions_in_packets(level, shots, answers);
             }
-            Some(level) if self.view.is_vast() => {
+            Some(level) if self.view.is_worth_streams() => {
                 self.occlusions_in_streams(level, shots, answers);
             }
             Some(level) => self.single_anys(level, shots, answers),
             None => answers.extend(shots.iter().map(|shot| self.occluded(shot))),
         }
-    }
-
-    fn first(&mut self, query: &Query, search: Search) -> Answer {
-        let frame = RayFrame::new(&query.ray);
-        let to_z = 1.0 / frame.t_from_z;
-        let question = Question::new(&self.bvh.set, query, &frame);
-        self.collect(&question, search, |meetings| {
-            // Up to the nearest meeting, plus its error bound.
-            meetings.iter().map(|m| m.t + m.t_error).fold(f64::INFINITY, f64::min) * to_z
-        });
-        let findings = &mut self.findings;
-        let answer = answer_of(&self.bvh.set, findings.meetings.iter(), findings.doubt);
-        findings.statistics.count_doubt(answer.doubtful);
-        answer
-    }
-
-    /// Searches all leaves the ray may meet before the limit that `enough` derives from the
-    /// meetings found so far.
-    fn collect(
-        &mut self,
-        question: &Question<'_>,
-        search: Search,
-        enough: impl Fn(&[Meeting]) -> f64,
-    ) {
-        let (bvh, ray) = (self.bvh, question.ray);
-        let findings = &mut self.findings;
-        findings.clear();
-        findings.statistics.rays += 1;
-        let mut limit = ray.z_range[1];
-        let nodes = bvh.tree.traverse(ray, &mut self.stack, |index, (oriented, region)| {
-            let place = bvh.place(index, oriented);
-            let passage = place.passage(ray, region, limit);
-            let Some(passage) = passage else { return limit };
-            let before = findings.meetings.len();
-            search(question, &place, &passage, limit, findings);
-            if findings.meetings.len() > before {
-                limit = limit.min(enough(&findings.meetings));
-            }
-            limit
-        });
-        findings.statistics.nodes += nodes;
-    }
-}
-
-/// The exact solver as a way to search a leaf.
-fn exactly(
-    question: &Question<'_>,
-    place: &PlacedLeaf<'_>,
-    passage: &Passage,
-    limit: f64,
-    findings: &mut Findings,
-) {
-    findings.statistics.leaf_tests += 1;
-    let from = leaf_search::met_from(place, passage, question.ray);
-    leaf_search::search_exactly(question, place, from, limit, findings);
-}
-
-/// Two points of a surface count as one place if they are closer than this many times the sum of
-/// their error bounds.
-const SAME_PLACE: f64 = 4.0;
-
-/// The first of some meetings, and whether something doubtful could come before it.
-fn answer_of<'m>(
-    set: &PatchSet,
-    meetings: impl Iterator<Item = &'m Meeting> + Clone,
-    doubt: f64,
-) -> Answer {
-    // A hit so far away that `t` is infinite lies beyond every range.
-    let reachable = meetings.filter(|meeting| meeting.t < f64::INFINITY);
-    let first = reachable.clone().min_by(|a, b| a.order(b));
-    // A doubtful meeting may lie before where it was found, by as much as its error bound. But one
-    // at the place of the first meeting is the first itself if it is known as well as that, as the
-    // ends of stretches are.
-    let before = |first: &Meeting, meeting: &Meeting| {
-        let reach = SAME_PLACE * (first.error + meeting.error);
-        let earlier = first.t - (meeting.t - meeting.t_error);
-        let is_first = meeting.jet.point.distance(first.jet.point) <= reach
-            && (meeting.stretch.is_some() || earlier <= SAME_PLACE * first.t_error);
-        !meeting.is_certain() && earlier >= 0.0 && !is_first
-    };
-    let is_before = |first| reachable.clone().any(|meeting| before(first, meeting));
-    let open = doubt < f64::INFINITY && first.is_none_or(|first| doubt <= first.t);
-    let open = open || first.is_some_and(is_before);
-    let mut hit = first.map(|meeting| hit(set, meeting));
-    let flagged = hit.is_some_and(|hit| hit.flags.contains(HitFlags::DOUBTFUL));
-    let doubtful = flagged || open;
-    if let Some(hit) = hit.as_mut().filter(|_| doubtful) {
-        hit.flags.insert(HitFlags::DOUBTFUL);
-    }
-    Answer { hit, doubtful }
-}
-
-/// The hit to report for a meeting.
-fn hit(set: &PatchSet, meeting: &Meeting) -> Hit {
-    let piece = &set.pieces()[meeting.piece as usize];
-    let mut flags = meeting.flags;
-    let normal = reported_normal(piece, meeting.jet.point, meeting.normal);
-    let normal = normal.unwrap_or_else(|| {
-        flags.insert(HitFlags::NO_NORMAL);
-        DVec3::NAN
-    });
-    // A doubtful meeting may be off along the ray by more than its angle implies.
-    let least = if meeting.is_certain() { 0.0 } else { AROUND * meeting.error / meeting.z_error };
-    let cosine = if flags.contains(HitFlags::NO_NORMAL) { 0.0 } else { meeting.cosine.abs() };
-    let cosine = cosine.max(least).min(1.0);
-    let root = Root::new(set.id(), meeting.piece, meeting.st, meeting.z_error, cosine);
-    Hit {
-        t: meeting.t,
-        surface: meeting.surface,
-        uv: piece.uv(meeting.st),
-        point: meeting.jet.point,
-        normal,
-        flags,
-        root,
     }
 }

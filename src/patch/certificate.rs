@@ -102,9 +102,10 @@ pub(crate) struct Certificate {
     /// A computed point with a residual of at most `ε` is well within the leaf's slack of the root
     /// if also `e ≥ ε steep_per_error`.
     steep_per_error: Up16,
-    /// For a step in `s`, then in `t`: the largest multiples of the unit vectors of the other
-    /// tangent, and of the normal, that may have to be added to that of `b₀`, or `a₀`.
-    bend: [[Up8; 2]; 2],
+    /// How far tangents may tilt, as multiples of unit vectors: for a step in `s`, how far `S_t`
+    /// tilts from `b₀` towards `a₀` and towards the normal; for a step in `t`, how far `S_s` tilts
+    /// from `a₀` towards `b₀` and towards the normal.
+    tilts: [[Up8; 2]; 2],
     /// In a leaf that ends in a pole: `e ρ ≥ ε pole_per_error` is needed, too, for a ray at
     /// the distance `ρ` from the pole. Zero for other leaves.
     pole_per_error: Up16,
@@ -137,12 +138,12 @@ impl Certificate {
         oriented: &OrientedBox,
     ) -> Self {
         let lengths = oriented.directions().map(DVec3::length);
-        let Some(proof) = TangentBounds::new(net, collapsed, axes) else {
+        let Some(bounds) = TangentBounds::new(net, collapsed, axes) else {
             return Self::none(collapsed);
         };
         // The first row points along `b₀ × n`, the second along `n × a₀`.
-        let Interval { lo, hi } = proof.turning[0];
-        let turning = [proof.turning[1], Interval { lo: -hi, hi: -lo }];
+        let Interval { lo, hi } = bounds.turning[0];
+        let turning = [bounds.turning[1], Interval { lo: -hi, hi: -lo }];
         let turning =
             [0, 1].map(|k| turning[k] * Interval::point(lengths[2] / lengths[k]).outward());
         let lean = turning.map(|turning| Near16::to(0.5 * (turning.lo + turning.hi)));
@@ -156,9 +157,9 @@ impl Certificate {
             lean,
             turning: [Up16::above(farthest(0)), Up16::above(farthest(1))],
             rounding: Up16::above(SLOPE_ROUNDING * lengths[2]),
-            steep_per_error: Up16::above(proof.spread * lengths[2] / slack),
-            bend: proof.bend.map(|bend| bend.map(Up8::above)),
-            pole_per_error: Up16::above(proof.pole_spread * lengths[2] / slack),
+            steep_per_error: Up16::above(bounds.spread * lengths[2] / slack),
+            tilts: bounds.tilts.map(|tilts| tilts.map(Up8::above)),
+            pole_per_error: Up16::above(bounds.pole_spread * lengths[2] / slack),
         }
     }
 
@@ -171,7 +172,7 @@ impl Certificate {
             turning: [never; 2],
             rounding: never,
             steep_per_error: never,
-            bend: [[Up8::above(f64::INFINITY); 2]; 2],
+            tilts: [[Up8::above(f64::INFINITY); 2]; 2],
             pole_per_error,
         }
     }
@@ -246,11 +247,11 @@ impl Certificate {
         self.pole_per_error.value()
     }
 
-    /// The largest multiples of the other tangent and of the normal to be reckoned with, for a step
-    /// in `s`, then in `t`.
+    /// How far tangents may tilt, as multiples of unit vectors: for a step in `s`, how far `S_t`
+    /// does, along `S_s` and along the normal; for a step in `t`, how far `S_s` does.
     #[inline(always)]
-    pub(crate) fn bend(&self) -> [[f64; 2]; 2] {
-        self.bend.map(|bend| bend.map(|bend| f64::from(bend.value())))
+    pub(crate) fn tilts(&self) -> [[f64; 2]; 2] {
+        self.tilts.map(|tilts| tilts.map(|tilt| f64::from(tilt.value())))
     }
 }
 

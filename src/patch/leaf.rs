@@ -56,7 +56,7 @@ pub struct Leaf {
     /// `T / M`, with `M` as kept in `fit_bend`.
     fit_third: Up8,
     stretch: Up16,
-    /// [`TRIMMED`], [`FLAT`], [`AT_BORDER`] and [`BIQUADRATIC`].
+    /// [`TRIMMED`], [`PARALLELOGRAM`], [`AT_BORDER`] and [`BIQUADRATIC`].
     marks: u8,
 }
 
@@ -97,8 +97,9 @@ impl Leaf {
             marks: 0,
         };
         let [x, y] = leaf.half_side_lengths().map(f64::from);
-        let is_flat = error.bend <= MOST_BEND_OF_FLAT * x.min(y);
-        leaf.marks |= if is_flat { FLAT } else { 0 } | if part.trimmed { TRIMMED } else { 0 };
+        let is_parallelogram = error.bend <= MOST_BEND_OF_PARALLELOGRAM * x.min(y);
+        leaf.marks |= if is_parallelogram { PARALLELOGRAM } else { 0 }
+            | if part.trimmed { TRIMMED } else { 0 };
         let mut sides = RectSide::ALL.into_iter();
         let is_at_border = sides.any(|side| leaf.near_border(piece, side).is_some());
         leaf.marks |= if is_at_border { AT_BORDER } else { 0 };
@@ -172,8 +173,8 @@ impl Leaf {
     /// near to its root as f32 can tell: the leaf is nearly a parallelogram with an even
     /// parametrization.
     #[inline(always)]
-    pub(crate) fn is_flat(&self) -> bool {
-        self.marks & FLAT != 0
+    pub(crate) fn is_parallelogram(&self) -> bool {
+        self.marks & PARALLELOGRAM != 0
     }
 
     /// Whether the approximation has no terms of degree three in `x` or `y`.
@@ -274,12 +275,12 @@ impl Leaf {
 
 /// Leaves whose [`FitError::bend`] is no larger than this fraction of their half sides count as
 /// flat.
-const MOST_BEND_OF_FLAT: f64 = 1e-6;
+const MOST_BEND_OF_PARALLELOGRAM: f64 = 1e-6;
 
-/// The marks of leaves: see [`Leaf::is_trimmed`], [`Leaf::is_flat`], [`Leaf::is_at_border`] and
+/// The marks of leaves: see [`Leaf::is_trimmed`], [`Leaf::is_parallelogram`], [`Leaf::is_at_border`] and
 /// [`Leaf::is_biquadratic`].
 const TRIMMED: u8 = 1;
-const FLAT: u8 = 2;
+const PARALLELOGRAM: u8 = 2;
 const AT_BORDER: u8 = 4;
 const BIQUADRATIC: u8 = 8;
 

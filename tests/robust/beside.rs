@@ -1,6 +1,8 @@
 //! Rays that leave a hit beside a crease or a border: what is met right behind it is not the start.
 
-use glam::{DAffine3, DVec3};
+use std::f64::consts::FRAC_PI_2;
+
+use glam::{DAffine3, DMat3, DVec3};
 use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
 use nurbray::intersect::{Coherence, Kernel, Query, SurfaceBvh};
 use nurbray::math::Ray;
@@ -189,6 +191,166 @@ fn a_start_beside_the_hit_is_not_met_again_by_a_flatter_ray() {
                 assert!(answers.iter().all(|answer| answer.hit.is_none() || answer.doubtful));
                 assert!(shadows.iter().all(|shadow| !shadow.occluded || shadow.doubtful));
             }
+        }
+    }
+}
+
+/// A roof's ridge: a floor and a wall below it that share an edge exactly, each turned either way.
+/// A ray that leaves the floor at the edge, down and across, comes out of the wall at once. A ray
+/// that leaves both upwards meets neither again; where the faces are turned alike, surely so.
+#[test]
+fn a_ray_from_a_shared_edge_meets_the_other_face_however_it_is_turned() {
+    let corner = |x: f64, z: f64| [0.0, 1.0].map(|y| DVec3::new(x, y, z));
+    let flat = |from: [DVec3; 2], to: [DVec3; 2]| {
+        let knots = || KnotVector::bezier(1).unwrap();
+        NurbsSurface::new(knots(), knots(), [from, to].concat(), None).unwrap()
+    };
+    let floor = flat(corner(-1.0, 0.0), corner(0.0, 0.0));
+    let wall = flat(corner(0.0, 0.0), corner(0.0, -1.0));
+    for (floor, wall, is_alike) in [
+        (floor.clone(), wall.clone(), true),
+        (floor.reversed_u(), wall.reversed_u(), true),
+        (floor.clone(), wall.reversed_u(), false),
+        (floor.reversed_u(), wall, false),
+    ] {
+        // The surface that is left is the first one given.
+        let bvh = SurfaceBvh::build(&[floor, wall]).unwrap();
+        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            let mut tracer = bvh.tracer_with(kernel);
+            let mut random = Random::new(74);
+            let (mut left, mut upwards, mut certain) = (0, 0, 0);
+            for k in 0..3000 {
+                let off = if k % 3 == 0 { 0.0 } else { random.power_of_ten(-17.0, -14.0) };
+                let target = DVec3::new(-off, 0.5, 0.0);
+                let way = DVec3::new(random.between(-0.3, 0.3), 0.3, -1.0);
+                let first = tracer.first_hit(&Ray::new(target - way, way).unwrap());
+                let Some(hit) = first.hit.filter(|_| !first.doubtful) else { continue };
+                if hit.surface != 0 || hit.point.x > 0.0 {
+                    continue;
+                }
+                left += 1;
+                let [x, z] = [(); 2].map(|()| random.between(0.2, 1.0));
+                let mut ask = |way: DVec3| {
+                    let query = Query::leaving(Ray::new(hit.point, way).unwrap(), &hit);
+                    assert!(query.start_root().is_some());
+                    let answer = tracer.first_hit(&query);
+                    let shadow = tracer.occluded(&query);
+                    let exact = tracer.exact_first_hit(&query);
+                    [
+                        (answer.hit.is_some(), answer.doubtful),
+                        (shadow.occluded, shadow.doubtful),
+                        (exact.hit.is_some(), exact.doubtful),
+                    ]
+                };
+                for (is_met, is_doubtful) in ask(DVec3::new(x, 0.2, -z)) {
+                    assert!(is_met || is_doubtful, "{kernel}, {is_alike}: {hit:?}");
+                }
+                // From farther off, it may pass the wall's border within rounding.
+                if hit.point.x < -5e-16 {
+                    continue;
+                }
+                upwards += 1;
+                for (is_met, is_doubtful) in ask(DVec3::new(x, 0.2, z)) {
+                    assert!(!is_met || is_doubtful, "{kernel}, {is_alike}: {hit:?}");
+                    certain += u32::from(!is_doubtful);
+                }
+            }
+            println!("{kernel}, {is_alike}: {left}, upwards {upwards}: {certain} certain");
+            assert!(left > 1000 && upwards > 500, "{upwards} of {left}");
+            assert!(!is_alike || certain == 3 * upwards, "{certain} of {upwards}");
+        }
+    }
+}
+
+/// The corners and edges of a cube of six planes: rays that leave them outwards do so for certain.
+#[test]
+fn rays_leave_the_corners_of_a_cube() {
+    let plane = shapes::plane(2.0, 2.0).unwrap().transformed(&DAffine3::from_translation(DVec3::Z));
+    let plane = plane.unwrap();
+    let turned = |axis: DVec3, angle: f64| {
+        // Right angles, without rounding.
+        let turn = DMat3::from_axis_angle(axis, angle);
+        let turn = DMat3::from_cols(turn.x_axis.round(), turn.y_axis.round(), turn.z_axis.round());
+        plane.transformed(&DAffine3::from_mat3(turn)).unwrap()
+    };
+    let quarter = |k: u32| turned(DVec3::X, f64::from(k) * FRAC_PI_2);
+    let beside = |sign: f64| turned(DVec3::Y, sign * FRAC_PI_2);
+    let faces = [quarter(0), quarter(1), quarter(2), quarter(3), beside(1.0), beside(-1.0)];
+    let bvh = SurfaceBvh::build(&faces).unwrap();
+    for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+        let mut tracer = bvh.tracer_with(kernel);
+        let mut random = Random::new(75);
+        let (mut left, mut certain) = (0, 0);
+        for k in 0..3000 {
+            let mut sign = || random.sign();
+            let corner = DVec3::new(sign(), sign(), sign());
+            let target = match k % 3 {
+                0 => corner,
+                1 => DVec3::new(random.between(-1.0, 1.0), corner.y, corner.z),
+                _ => DVec3::new(corner.x, corner.y, random.between(-1.0, 1.0)),
+            };
+            let mut outwards = || {
+                let [x, y, z] = [(); 3].map(|()| random.between(0.2, 1.0));
+                corner * DVec3::new(x, y, z)
+            };
+            let [from, to] = [outwards(), outwards()];
+            let first = tracer.first_hit(&Ray::new(target + from, -from).unwrap());
+            let Some(hit) = first.hit.filter(|_| !first.doubtful) else { continue };
+            let query = Query::leaving(Ray::new(hit.point, to).unwrap(), &hit);
+            let answer = tracer.first_hit(&query);
+            assert!(answer.hit.is_none() || answer.doubtful, "{kernel}: {query:?}: {answer:?}");
+            left += 1;
+            certain += u32::from(!answer.doubtful);
+        }
+        println!("{kernel}: {certain} of {left} certain");
+        assert!(left > 2000 && certain == left, "{certain} of {left}");
+    }
+}
+
+/// A strip whose end comes back to its beginning at a right angle, plainly or turned over: a ray
+/// that leaves its beginning beside that joint, through the end, meets the end.
+#[test]
+fn a_strip_that_is_joined_to_itself_turned_over_is_met_beside_the_joint() {
+    for (is_turned, is_reversed) in [(false, false), (true, false), (true, true)] {
+        // A floor from x = 0 to −1, and far below it back to a wall under the joint.
+        let (low, high) = if is_turned { (1.0, 0.0) } else { (0.0, 1.0) };
+        let rows = [
+            [(0.0, 0.0, 0.0), (0.0, 1.0, 0.0)],
+            [(-1.0, 0.0, 0.0), (-1.0, 1.0, 0.0)],
+            [(-5.0, 0.5, 1.0), (-5.0, 0.5, -1.0)],
+            [(-5.0, low, -3.0), (-5.0, high, -4.0)],
+            [(0.0, low, -4.0), (0.0, high, -4.0)],
+            [(0.0, low, 0.0), (0.0, high, 0.0)],
+        ];
+        let net = rows.concat().into_iter().map(DVec3::from).collect();
+        let knots = |count| KnotVector::clamped_uniform(1, count).unwrap();
+        let strip = NurbsSurface::new(knots(rows.len()), knots(2), net, None).unwrap();
+        let strip = if is_reversed { strip.reversed_u() } else { strip };
+        let bvh = SurfaceBvh::build(&[strip]).unwrap();
+        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            let mut tracer = bvh.tracer_with(kernel);
+            let mut random = Random::new(76);
+            let mut left = 0;
+            for _ in 0..3000 {
+                let off = random.power_of_ten(-17.0, -13.0);
+                let target = DVec3::new(-off, random.between(0.1, 0.9), 0.0);
+                let way = DVec3::new(random.between(-0.3, 0.3), 0.1, -1.0);
+                let first = tracer.first_hit(&Ray::new(target - 0.3 * way, way).unwrap());
+                let Some(hit) = first.hit.filter(|_| !first.doubtful) else { continue };
+                if hit.point.x >= 0.0 || hit.normal.z.abs() < 0.9 {
+                    continue;
+                }
+                let [x, z] = [(); 2].map(|()| random.between(0.2, 1.0));
+                let query =
+                    Query::leaving(Ray::new(hit.point, DVec3::new(x, 0.0, -z)).unwrap(), &hit);
+                let (answer, exact) = (tracer.first_hit(&query), tracer.exact_first_hit(&query));
+                let shadow = tracer.occluded(&query);
+                assert!(answer.hit.is_some() || answer.doubtful, "{kernel}: {query:?}");
+                assert!(exact.hit.is_some() || exact.doubtful, "{kernel}: {query:?}");
+                assert!(shadow.occluded || shadow.doubtful, "{kernel}: {query:?}");
+                left += 1;
+            }
+            assert!(left > 500, "{left}");
         }
     }
 }

@@ -11,6 +11,7 @@
 mod ask;
 mod corners;
 mod edges;
+mod far_knots;
 #[allow(dead_code, reason = "tests/robust uses the rest of it")]
 #[path = "../common/random.rs"]
 mod random;

@@ -8,6 +8,11 @@ use nurbray::geometry::trim::{Side, Trims};
 /// least this in absolute value. Where it is not, one of them has a cusp, or no tangent.
 const PARALLEL: f64 = 0.9;
 
+/// A vector leads straight over a surface if the cosine between it and the surface's own direction
+/// is more than this. Ends of a surface that overlap a little, and lie one above the other, have a
+/// gap.
+const STRAIGHT: f64 = 0.9;
+
 /// Surfaces that leave an edge at a smaller angle, in radians, lie on each other. Their directions
 /// are known to a few roundings, more where u and v are askew.
 const COINCIDENT: f64 = 1e-6;
@@ -50,10 +55,10 @@ impl Around {
         Self { along: tangent, inward: across.normalize() }
     }
 
-    /// Whether a vector from the point leads over the surface, to first order; false if that is not
-    /// known.
+    /// Whether a vector from the point leads straight over the surface, to first order; false if
+    /// that is not known.
     pub(super) fn is_inward(&self, way: DVec3) -> bool {
-        self.inward.dot(way) > 0.0
+        self.inward.dot(way) > STRAIGHT * way.length()
     }
 
     /// How the surfaces of two edges are turned that meet at this point: alike if the edges run

@@ -388,6 +388,13 @@ mod tests {
         let open = fit_of(&NurbsSurface::new(around, up, net.collect(), None).unwrap());
         assert_eq!((open.nearly, open.gaps.len()), (2, 1));
         assert!((open.gaps[0].width - 1e-3).abs() < 1e-14, "{}", open.gaps[0].width);
+        // One that overlaps itself, 1e-3 farther out.
+        let corners =
+            [[0.5, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, -1e-3], [0.5005, -1e-3]];
+        let net = corners.iter().flat_map(|&[x, y]| [0.0, 1.0].map(|z| DVec3::new(x, y, z)));
+        let [around, up] = [6, 2].map(|count| KnotVector::clamped_uniform(1, count).unwrap());
+        let open = fit_of(&NurbsSurface::new(around, up, net.collect(), None).unwrap());
+        assert_eq!((open.nearly, open.gaps.len()), (2, 1));
     }
 
     #[test]

@@ -56,6 +56,7 @@ mod uv_box;
 mod window;
 mod window_curve;
 
+pub(crate) use around::Sectors;
 pub use crossings::OVERLAP_TOLERANCE;
 pub(crate) use crossings::tolerated_overlap;
 pub use curve::{MAX_TRIM_POINTS, TrimCurve};

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, Vec3Swizzles};
 
 use super::UvBox;
 use super::window_curve::Stretch;
-use crate::geometry::Direction;
+use crate::geometry::{Direction, MAX_DEGREE};
 use crate::math::bernstein::{self, binomial};
 use crate::math::rounding::UNIT_ROUNDOFF;
 
@@ -140,10 +140,11 @@ impl Segment {
     }
 
     /// Finds out whether it reaches into a domain by no more than its reach and `off`, in u or in
-    /// v.
+    /// v. Of that reach no more counts than a curve within the domain may have.
     pub(super) fn look_for_border(&mut self, domain: &UvBox, off: DVec2) {
         let UvBox { min, max } = self.bounds();
-        let off = off + self.reach;
+        let most = reach_factor(MAX_DEGREE) * domain.min.abs().max(domain.max.abs());
+        let off = off + self.reach.min(most);
         let is_low = max.cmple(domain.min + off).any();
         self.on_border = is_low || min.cmpge(domain.max - off).any();
     }

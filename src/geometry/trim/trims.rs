@@ -21,10 +21,6 @@ const MAX_PERIODS: usize = 64;
 /// there, and seven are left.
 const FARTHEST: f64 = 1e9;
 
-/// Loops that pass the domain's border by no more than this fraction of its length do not reach
-/// into it.
-const TOUCH: f64 = 1e-12;
-
 /// Curves that reach into the domain by no more than this fraction of its length, beyond their own
 /// error, lie on its border. What they cut off is so narrow that hits on it count as hits on the
 /// border: these may be off by 12 such roundings or more, if the speed is even. (In files with
@@ -399,7 +395,7 @@ fn shifts_into(
     let mut along = [vec![0.0], vec![0.0]];
     for direction in Direction::BOTH {
         let period = bounds.size()[direction];
-        let touch = TOUCH * period;
+        let touch = ON_BORDER * period;
         let (low, high) = (loop_box.min[direction], loop_box.max[direction]);
         let (start, end) = (bounds.min[direction] + touch, bounds.max[direction] - touch);
         if domain.is_periodic(direction) {

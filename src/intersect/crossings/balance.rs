@@ -19,8 +19,8 @@ use smallvec::SmallVec;
 
 use super::faces::{EdgeReach, Face};
 use super::same_place::{Reach, at_one_place, reach_along};
-use super::sides::{has_no_normal, touches};
-use super::vertices::{AtVertex, MOST_TURNED, passage};
+use super::sense::{has_no_normal, may_touch};
+use super::vertices::{AtVertex, MOST_TURNED};
 use crate::intersect::HitFlags;
 use crate::intersect::roots::meeting::{Cover, Meeting};
 use crate::patch::Piece;
@@ -102,26 +102,18 @@ impl Shares {
         let first = meetings.clone().next()?;
         let both = meetings.clone().any(|m| m.cosine * first.cosine < 0.0);
         let is_one = !both && meetings.clone().all(|m| m.surface == first.surface);
-        if is_one || meetings.clone().any(|m| touches(m) || has_no_normal(m)) {
+        if is_one || meetings.clone().any(|m| may_touch(m) || has_no_normal(m)) {
             return None;
         }
         let mut faces: SmallVec<[Face<'_>; 4]> = SmallVec::new();
         let mut net = 0.0;
         for meeting in meetings.clone() {
-            let piece = &pieces[meeting.piece as usize];
             let around = Reach::around(meeting, axis);
             let is_seen = faces.iter().any(|face| {
-                let view = Face { reach: around, ..*face };
-                face.meeting.piece == meeting.piece && view.holds(meeting.st)
+                face.meeting.piece == meeting.piece && face.with_reach(around).holds(meeting.st)
             });
             if !is_seen {
-                let face = Face {
-                    piece,
-                    meeting,
-                    reach: Reach::aimed(meeting, axis),
-                    edges: EdgeReach::Aimed,
-                    axis,
-                };
+                let face = Face::new(meeting, pieces, EdgeReach::Aimed, axis);
                 net += face.share();
                 faces.push(face);
             }
@@ -130,7 +122,7 @@ impl Shares {
         if faces.len() > 2 && !is_whole {
             // So near to a corner that faces do not agree about its edges. A larger disk, of what
             // they cover as far as edges are met, will do if all of them are met.
-            match passage(meetings, pieces, axis) {
+            match AtVertex::of(meetings, pieces, axis) {
                 AtVertex::Through(sign) => net = sign,
                 AtVertex::Touching => net = 0.0,
                 AtVertex::ThroughMore | AtVertex::Unknown => {}

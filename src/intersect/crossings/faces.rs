@@ -1,13 +1,13 @@
 //! The angle that a face covers around a place, as seen along a ray.
 
-use std::f64::consts::FRAC_PI_2;
-
 use glam::{DVec2, DVec3};
 
 use super::same_place::{Reach, moved};
+use crate::geometry::trim::Sectors;
 use crate::geometry::{Direction, RectSide};
-use crate::intersect::roots::borders::{AIMED_AT_TRIMS, root_reach, trim_reach};
+use crate::intersect::roots::around::{EdgeEnds, direction, edges_at, kept_sectors};
 use crate::intersect::roots::meeting::Meeting;
+use crate::intersect::roots::reach::{AIMED_AT_TRIMS, root_reach, trim_reach};
 use crate::math::bernstein::restrict;
 use crate::patch::Piece;
 
@@ -29,14 +29,14 @@ const LEAST_ACROSS: f64 = 1e-6;
 /// A piece of a surface, where a ray meets it.
 #[derive(Clone, Copy)]
 pub(super) struct Face<'a> {
-    pub(super) piece: &'a Piece,
+    piece: &'a Piece,
     pub(super) meeting: &'a Meeting,
     /// How far the place may be from the same place as met on other pieces.
     pub(super) reach: Reach,
     /// How near trim edges must be to count.
-    pub(super) edges: EdgeReach,
+    edges: EdgeReach,
     /// The ray's direction.
-    pub(super) axis: DVec3,
+    axis: DVec3,
 }
 
 /// How near trim edges must be to pass through a place.
@@ -48,7 +48,26 @@ pub(super) enum EdgeReach {
     Aimed,
 }
 
-impl Face<'_> {
+impl<'a> Face<'a> {
+    /// The face of a meeting with a ray along `axis`.
+    pub(super) fn new(
+        meeting: &'a Meeting,
+        pieces: &'a [Piece],
+        edges: EdgeReach,
+        axis: DVec3,
+    ) -> Self {
+        let reach = match edges {
+            EdgeReach::Met => Reach::around(meeting, axis),
+            EdgeReach::Aimed => Reach::aimed(meeting, axis),
+        };
+        Self { piece: &pieces[meeting.piece as usize], meeting, reach, edges, axis }
+    }
+
+    /// The face, whose place may be as far as this from the same place as met elsewhere.
+    pub(super) fn with_reach(self, reach: Reach) -> Self {
+        Self { reach, ..self }
+    }
+
     /// The sides of the piece that the place is at.
     pub(super) fn sides(&self) -> [bool; 4] {
         self.reach.sides(self.meeting.st, &self.meeting.jet)
@@ -75,43 +94,46 @@ impl Face<'_> {
 
     /// The angle around a place with a tangent plane: of the directions in that plane that neither
     /// a side nor trims cut off.
-    fn around_place(&self, [s0, s1, t0, t1]: [bool; 4]) -> Option<f64> {
-        let Meeting { st, jet, at_trims, .. } = self.meeting;
+    fn around_place(&self, sides: [bool; 4]) -> Option<f64> {
+        let Meeting { jet, .. } = self.meeting;
         let lengths = DVec2::from_array(self.piece.domain().map(|[from, to]| to - from));
-        let sectors = match self.piece.trims() {
-            Some(trims) if *at_trims => {
-                let uv = self.piece.chart_uv(*st);
-                Some(match self.edges {
-                    EdgeReach::Met => {
-                        trims.around(uv, trim_reach(jet, self.reach.along_ray) * lengths)?
-                    }
-                    EdgeReach::Aimed => {
-                        let reach = aimed_reach(self.meeting, self.axis);
-                        let reach = self.piece.chart_reach(reach, AIMED_AT_TRIMS);
-                        trims.around_within(uv, reach, AIMED_AT_TRIMS)?
-                    }
-                })
-            }
-            _ => None,
-        };
+        let sectors = self.sectors()?;
         let in_space = |angle: f64| {
             let along = direction(angle) / lengths;
             self.across(along.x * jet.ds + along.y * jet.dt)
         };
 
-        let edges = sectors.iter().flat_map(|sectors| sectors.edges().iter().copied());
-        let mut cuts: Vec<f64> = (0..=4).map(|k| f64::from(k) * FRAC_PI_2).chain(edges).collect();
-        cuts.sort_by(f64::total_cmp);
-        let kept = cuts.windows(2).filter(|cut| {
-            let middle = 0.5 * (cut[0] + cut[1]);
-            let (v, u) = middle.sin_cos();
-            let beyond = s0 && u < 0.0 || s1 && u > 0.0 || t0 && v < 0.0 || t1 && v > 0.0;
-            cut[0] < cut[1] && !beyond && sectors.as_ref().is_none_or(|one| one.keeps(middle))
-        });
+        let kept = kept_sectors(sides, sectors.as_ref());
         // All turn the same way; for one that turns by half a turn, rounding would decide which
         // way.
-        let turned = |cut: &[f64]| self.turn(in_space(cut[0]), in_space(cut[1])).abs();
-        Some(kept.map(turned).sum::<f64>().copysign(self.meeting.cosine))
+        let turned = |[from, to]: [f64; 2]| self.turn(in_space(from), in_space(to)).abs();
+        Some(kept.into_iter().map(turned).sum::<f64>().copysign(self.meeting.cosine))
+    }
+
+    /// The sectors that trims cut the surroundings of the place into: `Some(None)` if no edge is
+    /// near, `None` if that cannot be told.
+    fn sectors(&self) -> Option<Option<Sectors>> {
+        let Meeting { st, jet, at_trims, .. } = self.meeting;
+        let Some(trims) = self.piece.trims().filter(|_| *at_trims) else { return Some(None) };
+        let uv = self.piece.chart_uv(*st);
+        let lengths = DVec2::from_array(self.piece.domain().map(|[from, to]| to - from));
+        let sectors = match self.edges {
+            EdgeReach::Met => trims.around(uv, trim_reach(jet, self.reach.along_ray) * lengths),
+            EdgeReach::Aimed => {
+                let reach = aimed_reach(self.meeting, self.axis);
+                let reach = self.piece.chart_reach(reach, AIMED_AT_TRIMS);
+                trims.around_within(uv, reach, AIMED_AT_TRIMS)
+            }
+        };
+        sectors.map(Some)
+    }
+
+    /// The edges that lead away from the place, as far as they are known.
+    pub(super) fn edge_ends(&self) -> EdgeEnds {
+        let sides = self.sides();
+        let borders = RectSide::ALL.map(|side| sides[side] && self.piece.is_border(side));
+        let Some(sectors) = self.sectors() else { return EdgeEnds::new() };
+        edges_at(self.piece, &self.meeting.jet, borders, sectors.as_ref())
     }
 
     /// The angle around a pole: swept, along the collapsed side, by the
@@ -180,13 +202,6 @@ impl Face<'_> {
 fn aimed_reach(meeting: &Meeting, axis: DVec3) -> DVec2 {
     let along = meeting.aimed * (meeting.z_error / meeting.error);
     root_reach(&meeting.jet, axis, meeting.aimed, along)
-}
-
-/// The unit vector at an angle. Where it is along an axis the other coordinate is exactly zero, for
-/// in space it may be multiplied by something large.
-fn direction(angle: f64) -> DVec2 {
-    let exact = |x: f64| if x.abs() <= 4.0 * f64::EPSILON { 0.0 } else { x };
-    DVec2::new(exact(angle.cos()), exact(angle.sin()))
 }
 
 /// A part of a Bézier curve, of constant weight.

@@ -4,10 +4,12 @@ use glam::DVec3;
 use smallvec::{SmallVec, smallvec};
 
 use super::balance::Balance;
-use super::same_place::{at_one_place, reach_along};
-use super::sides::{has_no_normal, same_side, touches};
+use super::faces::{EdgeReach, Face};
+use super::same_place::{are_apart_without_edges, at_one_place, reach_along};
+use super::sense::{has_no_normal, may_touch, same_sense};
 use super::vertices;
 use crate::intersect::HitFlags;
+use crate::intersect::roots::around::{EdgeEnd, EdgeEnds, Turn};
 use crate::intersect::roots::meeting::Meeting;
 use crate::patch::Piece;
 
@@ -36,10 +38,10 @@ pub(crate) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) 
     for (k, meeting) in meetings.iter().enumerate() {
         near.retain(|&c| meeting.t - meetings[crossings[c].last()].t <= reach);
         let is_same =
-            |view: &Meeting| same_side(view, meeting) && at_one_place(view, meeting, pieces, axis);
+            |view: &Meeting| same_sense(view, meeting) && at_one_place(view, meeting, pieces, axis);
         let joins = |&&c: &&usize| is_same(&crossings[c].counted(meetings));
         if let Some(&c) = near.iter().rev().find(joins) {
-            crossings[c].join(k, meeting, meetings);
+            crossings[c].join(k, meetings, pieces, axis);
             continue;
         }
         let mut crossing = Crossing::new(k, meeting);
@@ -51,6 +53,9 @@ pub(crate) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) 
         }
         near.push(crossings.len());
         crossings.push(crossing);
+    }
+    for crossing in crossings.iter_mut().filter(|one| one.on_edge && !one.is_settled) {
+        crossing.is_settled = crossing.is_closed(meetings, pieces, axis);
     }
     // No crossing counts by a view that comes before its own place among the crossings.
     for (c, crossing) in crossings.iter().enumerate() {
@@ -77,10 +82,13 @@ struct Crossing {
     at_trims: bool,
     /// Whether all of them that are certain are beyond a side.
     is_beyond: bool,
-    /// Whether all of them are at trim edges of one surface, and may be on either side.
+    /// Whether any of them is at a trim edge of which it may be on either side.
     on_edge: bool,
+    /// Whether it counts all the same: one of them [settles] it, or it [is closed](Self::is_closed).
+    is_settled: bool,
     /// Whether it may be more than one crossing, or a part of another: a view is doubtful and
-    /// grazing, or at the place of another crossing's.
+    /// grazing, or at the place of another crossing's, or at the place of the others only because
+    /// it is not known where trim edges are, and not beyond an edge that they share.
     is_open: bool,
 }
 
@@ -94,7 +102,8 @@ impl Crossing {
             at_trims: meeting.at_trims,
             is_beyond: meeting.beyond || !meeting.is_certain(),
             on_edge: meeting.on_edge,
-            is_open: touches(meeting),
+            is_settled: settles(meeting),
+            is_open: may_touch(meeting),
         }
     }
 
@@ -104,9 +113,15 @@ impl Crossing {
     }
 
     /// Adds another view.
-    fn join(&mut self, view: usize, meeting: &Meeting, meetings: &[Meeting]) {
-        let is_of_one = meeting.surface == meetings[self.last()].surface;
-        self.on_edge &= meeting.on_edge && is_of_one;
+    fn join(&mut self, view: usize, meetings: &[Meeting], pieces: &[Piece], axis: DVec3) {
+        let meeting = &meetings[view];
+        self.on_edge |= meeting.on_edge;
+        self.is_settled |= settles(meeting);
+        let counted = &meetings[self.best];
+        if are_apart_without_edges(counted, meeting) {
+            let ends = |m| Face::new(m, pieces, EdgeReach::Met, axis).edge_ends();
+            self.is_open |= Turn::of(&ends(counted), &ends(meeting)) != Turn::Alike;
+        }
         self.views.push(view);
         if meeting.is_certain() && !self.is_certain {
             self.best = view;
@@ -115,7 +130,22 @@ impl Crossing {
         self.is_certain |= meeting.is_certain();
         self.at_trims |= meeting.at_trims;
         self.is_beyond &= meeting.beyond || !meeting.is_certain();
-        self.is_open |= touches(meeting);
+        self.is_open |= may_touch(meeting);
+    }
+
+    /// Whether each edge that the ray may pass on either side has another face on its other side: as
+    /// the ray passes one of them, it passes the surface.
+    fn is_closed(&self, meetings: &[Meeting], pieces: &[Piece], axis: DVec3) -> bool {
+        let views = || self.views.iter().map(|&view| &meetings[view]);
+        let ends: SmallVec<[(&Meeting, EdgeEnds); 4]> =
+            views().map(|m| (m, passed_edges(m, pieces, axis))).collect();
+        let is_shared = |own: &Meeting, end: &EdgeEnd| {
+            let others = ends.iter().filter(|(other, _)| other.piece != own.piece);
+            others.flat_map(|(_, theirs)| theirs).any(|other| end.adjoins(other))
+        };
+        ends.iter()
+            .filter(|(m, _)| m.on_edge)
+            .all(|(m, own)| !own.is_empty() && own.iter().all(|end| is_shared(m, end)))
     }
 
     /// The view that counts, with what is known from all.
@@ -123,9 +153,22 @@ impl Crossing {
         let is_doubtful = self.is_open || !self.is_certain;
         let doubt = if is_doubtful { HitFlags::DOUBTFUL } else { HitFlags::NONE };
         let flags = self.flags.with(doubt);
-        let (at_trims, beyond, on_edge) = (self.at_trims, self.is_beyond, self.on_edge);
+        let on_edge = self.on_edge && !self.is_settled;
+        let (at_trims, beyond) = (self.at_trims, self.is_beyond);
         Meeting { flags, at_trims, beyond, on_edge, ..meetings[self.best] }
     }
+}
+
+/// The edges that the ray of a meeting passes: where it may be on either side, those that it may
+/// have been aimed at. Of others, such a face says nothing.
+fn passed_edges(meeting: &Meeting, pieces: &[Piece], axis: DVec3) -> EdgeEnds {
+    let reach = if meeting.on_edge { EdgeReach::Aimed } else { EdgeReach::Met };
+    Face::new(meeting, pieces, reach, axis).edge_ends()
+}
+
+/// Whether the surface is surely met there, whatever else is.
+fn settles(meeting: &Meeting) -> bool {
+    meeting.is_certain() && !meeting.on_edge && !meeting.beyond
 }
 
 /// Flags meetings without a normal at whose place something else is met. This comes after views of
@@ -157,7 +200,13 @@ fn doubt_half_touches(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) {
             (0..meetings.len()).any(|j| j != k && same_way(&meetings[j]) && near(&meetings[j], m))
         };
         let opposite = |m: &&Meeting| m.cosine * touch.cosine < 0.0;
-        let whole = meetings.iter().filter(opposite).any(|m| near(m, touch) && !is_taken(m));
+        // Two bodies may touch along an edge.
+        let is_of_one_body = |m: &Meeting| {
+            let [own, others] = [touch, m].map(|m| passed_edges(m, pieces, axis));
+            Turn::of(&own, &others) != Turn::Opposite
+        };
+        let matches = |m: &Meeting| near(m, touch) && !is_taken(m) && is_of_one_body(m);
+        let whole = meetings.iter().filter(opposite).any(matches);
         if !whole {
             meetings[k].flags.insert(HitFlags::DOUBTFUL);
         }
@@ -224,7 +273,7 @@ mod tests {
         let (first, other) = (view(1.0, 0.5, HitFlags::NONE), view(1.5, 0.7, HitFlags::BORDER));
         let counted = |views: &[Meeting]| {
             let mut crossing = Crossing::new(0, &views[0]);
-            views.iter().enumerate().skip(1).for_each(|(k, view)| crossing.join(k, view, views));
+            (1..views.len()).for_each(|k| crossing.join(k, views, &[], DVec3::Z));
             let Meeting { t, flags, .. } = crossing.counted(views);
             (t, flags)
         };
@@ -234,8 +283,8 @@ mod tests {
 
         // Far from the origin, where errors are large, steeper ones may touch the surface, too.
         let far = |cosine| Meeting { error: 5e-9, ..view(1.2, cosine, HitFlags::DOUBTFUL) };
-        assert!(touches(&far(5e-4)) && !touches(&far(6e-4)));
-        assert!(!touches(&view(1.2, 5e-4, HitFlags::DOUBTFUL)));
+        assert!(may_touch(&far(5e-4)) && !may_touch(&far(6e-4)));
+        assert!(!may_touch(&view(1.2, 5e-4, HitFlags::DOUBTFUL)));
 
         // A steep doubtful view is just another view: it gives way, and its doubt goes with it.
         let steep = view(1.2, 0.5, HitFlags::DOUBTFUL);

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::sides::has_no_normal;
+use super::sense::has_no_normal;
 use crate::geometry::{Direction, RectSide};
 use crate::intersect::roots::meeting::Meeting;
 use crate::patch::{Jet, Piece};
@@ -72,6 +72,12 @@ pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece], axis: DVe
         return (a.at_end || a.sides != [false; 4]) && (b.at_end || b.sides != [false; 4]);
     }
     a.adjoins(&b) || b.adjoins(&a) || a.is_beside(&b, &reach) || b.is_beside(&a, &reach)
+}
+
+/// Whether two meetings at one place are farther apart along the ray than their errors allow: they
+/// are taken for one because it is not known how far off the trim edges are that they are at.
+pub(super) fn are_apart_without_edges(a: &Meeting, b: &Meeting) -> bool {
+    a.edge + b.edge > 0.0 && (a.t - b.t).abs() > ALONG * (a.t_error + b.t_error)
 }
 
 /// How far a step in parameters moves a point, to first order.

@@ -15,8 +15,8 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::faces::{EdgeReach, Face};
-use super::same_place::{Reach, at_one_place, reach_along};
-use super::sides::{has_no_normal, touches};
+use super::same_place::{at_one_place, reach_along};
+use super::sense::{has_no_normal, may_touch};
 use crate::intersect::HitFlags;
 use crate::intersect::roots::meeting::Meeting;
 use crate::patch::Piece;
@@ -131,7 +131,7 @@ impl Group {
 
     fn way(&self, meetings: &[Meeting], pieces: &[Piece], axis: DVec3) -> Way {
         let all = || self.members.iter().map(|&j| &meetings[j]);
-        if all().any(|m| touches(m) || has_no_normal(m)) {
+        if all().any(|m| may_touch(m) || has_no_normal(m)) {
             return Way::Any;
         }
         let both = all().any(|m| m.cosine > 0.0) && all().any(|m| m.cosine < 0.0);
@@ -139,13 +139,13 @@ impl Group {
         let apex = self.members.iter().copied().find(|&j| at_apex(&meetings[j]));
         if !both && apex.is_none() {
             // Where a surface overlaps itself, a ray may go through it twice at one place.
-            let twice = || matches!(passage(all(), pieces, axis), AtVertex::ThroughMore);
+            let twice = || matches!(AtVertex::of(all(), pieces, axis), AtVertex::ThroughMore);
             return if self.members.len() > 2 && twice() { Way::Unknown } else { Way::Any };
         }
         if self.overlaps {
             return Way::Unknown;
         }
-        match (passage(all(), pieces, axis), apex) {
+        match (AtVertex::of(all(), pieces, axis), apex) {
             (AtVertex::Through(sign), apex) => Way::Through { sign, apex },
             (AtVertex::Touching, Some(apex)) if !both => Way::Touching { apex },
             (AtVertex::Touching, _) => Way::Any,
@@ -165,42 +165,37 @@ pub(super) enum AtVertex {
     Unknown,
 }
 
-/// How a ray passes the faces that it meets at one place.
-pub(super) fn passage<'m>(
-    meetings: impl Iterator<Item = &'m Meeting>,
-    pieces: &[Piece],
-    axis: DVec3,
-) -> AtVertex {
-    let mut faces: Vec<(&Meeting, [bool; 4])> = Vec::new();
-    let mut sum = 0.0;
-    for meeting in meetings {
-        let piece = &pieces[meeting.piece as usize];
-        let face = Face {
-            piece,
-            meeting,
-            reach: Reach::around(meeting, axis),
-            edges: EdgeReach::Met,
-            axis,
-        };
-        // Leaves of one piece may see the same corner; and a piece may meet itself.
-        let sides = face.sides();
-        let is_known = faces.iter().any(|&(known, its)| {
-            known.piece == meeting.piece && its == sides && face.holds(known.st)
-        });
-        if is_known {
-            continue;
+impl AtVertex {
+    /// How a ray passes the faces that it meets at one place.
+    pub(super) fn of<'m>(
+        meetings: impl Iterator<Item = &'m Meeting>,
+        pieces: &[Piece],
+        axis: DVec3,
+    ) -> Self {
+        let mut faces: Vec<(&Meeting, [bool; 4])> = Vec::new();
+        let mut sum = 0.0;
+        for meeting in meetings {
+            let face = Face::new(meeting, pieces, EdgeReach::Met, axis);
+            // Leaves of one piece may see the same corner; and a piece may meet itself.
+            let sides = face.sides();
+            let is_known = faces.iter().any(|&(known, its)| {
+                known.piece == meeting.piece && its == sides && face.holds(known.st)
+            });
+            if is_known {
+                continue;
+            }
+            faces.push((meeting, sides));
+            let Some(angle) = face.angle() else { return Self::Unknown };
+            sum += angle / TAU;
         }
-        faces.push((meeting, sides));
-        let Some(angle) = face.angle() else { return AtVertex::Unknown };
-        sum += angle / TAU;
-    }
-    let whole = sum.round();
-    let is_whole = (sum - whole).abs() <= MOST_TURNED;
-    match whole.abs() {
-        0.0 if is_whole => AtVertex::Touching,
-        1.0 if is_whole => AtVertex::Through(whole),
-        _ if is_whole => AtVertex::ThroughMore,
-        _ => AtVertex::Unknown,
+        let whole = sum.round();
+        let is_whole = (sum - whole).abs() <= MOST_TURNED;
+        match whole.abs() {
+            0.0 if is_whole => Self::Touching,
+            1.0 if is_whole => Self::Through(whole),
+            _ if is_whole => Self::ThroughMore,
+            _ => Self::Unknown,
+        }
     }
 }
 

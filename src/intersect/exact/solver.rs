@@ -6,10 +6,10 @@ use glam::{DMat2, DVec2};
 
 use super::contact::{self, Contact};
 use super::parameter_box::{Bounds, Preconditioned, RayNet};
-use crate::geometry::RectSide;
+use super::problem::{Evidence, Problem, Solution};
+use crate::math::Interval;
 use crate::math::bernstein::restrict_net;
-use crate::math::{Interval, RayFrame};
-use crate::patch::{StRect, TensorPatch, holds};
+use crate::patch::{StRect, holds};
 
 /// How many boxes one call may look at before it only searches for the two ends of what is
 /// left. A transversal hit takes 2 to 10, a tangency about a hundred; a ray inside a surface
@@ -35,7 +35,7 @@ const WORTHWHILE: f64 = 0.7;
 
 /// A box is not clipped to an image thinner than this many errors along one parameter while its
 /// image is wider than [`WIDE`] errors along the other. A Jacobian is of use where the error is
-/// less than a twentieth of the image: this is several times that.
+/// less than a twentieth of the image: this is more than ten times that.
 const THIN: f64 = 256.0;
 
 /// A box whose image is within this many errors along both parameters may get arbitrarily thin: it
@@ -64,57 +64,6 @@ pub(crate) const STRETCH: f64 = 1e-3;
 
 /// A ray that passes the point of a collapsed side within this many errors meets it there.
 pub(crate) const AT_POLE: f64 = 2.0;
-
-/// One leaf and one ray.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Problem<'a> {
-    /// The piece the leaf belongs to.
-    pub patch: &'a TensorPatch,
-    /// The rectangle to search, in the piece's parameters: the leaf and at least its slack.
-    pub rect: StRect,
-    /// A root is wanted only if it lies in this rectangle, to within its slack.
-    pub wanted: StRect,
-    /// The side at which the rectangle ends in a point.
-    pub collapsed: Option<RectSide>,
-    /// The ray.
-    pub ray: &'a RayFrame,
-    /// How far computed points may be from the true ones.
-    pub error: f64,
-    /// The range of `z` of interest.
-    pub z_range: [f64; 2],
-}
-
-/// How a solution is known.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Proof {
-    /// The only root in this rectangle of parameters.
-    Isolated(StRect),
-    /// The ray passes through the point a side is collapsed to.
-    Collapsed,
-    /// The ray passes the surface within rounding: a tangency, or a near miss; somewhere from `z`
-    /// to `z`.
-    Contact([f64; 2]),
-    /// An end of a stretch along which the ray runs inside the surface, from `z` to `z`.
-    Stretch([f64; 2]),
-}
-
-impl Proof {
-    /// The range along the ray in which the solution lies, if rounding allows no more precise
-    /// answer.
-    pub(crate) fn stretch(self) -> Option<[f64; 2]> {
-        match self {
-            Self::Isolated(_) | Self::Collapsed => None,
-            Self::Contact(z) | Self::Stretch(z) => Some(z),
-        }
-    }
-}
-
-/// A place where the ray meets the leaf.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Solution {
-    pub st: DVec2,
-    pub proof: Proof,
-}
 
 /// Scratch memory of the exact solver; one for each thread.
 #[derive(Debug, Default)]
@@ -221,11 +170,13 @@ impl ExactSolver {
         self.waiting.push([[0.0, 1.0]; 2]);
     }
 
+    /// What becomes of a box: of the questions of the [module](super), the first is asked of `f`,
+    /// then the fourth, the first of `g`, the second and the third.
     fn judge(&mut self, problem: &Problem<'_>, rect: StRect) -> Verdict {
         let error = self.error;
         self.net.restrict_from(&self.whole, rect);
         let bounds = self.net.bounds();
-        if self.is_empty(problem, rect, &bounds, error) {
+        if self.is_empty(problem, rect, &bounds) {
             return Verdict::Empty;
         }
         let exhausted = rect.map(|[from, to]| to - from <= FINEST_SIDE);
@@ -344,8 +295,8 @@ impl ExactSolver {
     }
 
     /// Whether nothing wanted can lie in the box.
-    fn is_empty(&self, problem: &Problem<'_>, rect: StRect, bounds: &Bounds, error: f64) -> bool {
-        let off_ray = |range: Interval| range.lo > error || range.hi < -error;
+    fn is_empty(&self, problem: &Problem<'_>, rect: StRect, bounds: &Bounds) -> bool {
+        let off_ray = |range: Interval| range.lo > self.error || range.hi < -self.error;
         let z_error = problem.error;
         let behind = bounds.z.hi < problem.z_range[0] - z_error;
         let beyond = bounds.z.lo > problem.z_range[1] + z_error;
@@ -385,12 +336,13 @@ impl ExactSolver {
         (best.0 <= problem.error).then_some(best.1)
     }
 
+    /// The only root of a box, at a place of the box.
     fn root(&self, problem: &Problem<'_>, rect: StRect, x: DVec2) -> Solution {
         let outer = |k: usize| {
             let [from, to] = problem.rect[k];
             rect[k].map(|x| from + x * (to - from))
         };
-        Solution { st: inner(problem.rect, x), proof: Proof::Isolated([outer(0), outer(1)]) }
+        Solution { st: inner(problem.rect, x), evidence: Evidence::Isolated([outer(0), outer(1)]) }
     }
 
     fn at_collapsed_side(&self, problem: &Problem<'_>, rect: StRect) -> bool {

@@ -2,19 +2,22 @@
 
 use glam::{DVec2, DVec3};
 
-use super::borders::{
-    AIMED, AIMED_AT_TRIMS, TRIM_REACH, TRIM_SPARE, at_border, on_piece, root_reach, rounding_at,
-    trim_reach,
-};
+use super::around::Turn;
+use super::borders::{at_border, on_piece};
 use super::grazing::KnownRoot;
 use super::meeting::{Cover, Meeting};
+use super::placed_leaf::PlacedLeaf;
 use super::pole_side::stands_still;
-use super::question::{PlacedLeaf, Question, Sense, Start};
+use super::question::Question;
+use super::reach::{
+    AIMED, AIMED_AT_TRIMS, TRIM_REACH, TRIM_SPARE, root_reach, rounding_at, trim_reach,
+};
 use super::spot::Spot;
+use super::start::{Sense, Start, is_at_side};
 use super::trim_side::trim_side;
 use crate::geometry::trim::Side;
 use crate::intersect::HitFlags;
-use crate::intersect::exact::{AT_POLE, END, Proof, STRETCH, Solution};
+use crate::intersect::exact::{AT_POLE, END, Evidence, STRETCH, Solution};
 use crate::math::{RayFrame, rounding};
 use crate::patch::{Jet, LEAF_SLACK, Leaf, holds};
 
@@ -40,17 +43,17 @@ impl Dropped {
 /// Why it is none.
 pub(crate) fn accept(
     question: &Question<'_>,
-    place: &PlacedLeaf<'_>,
+    placed: &PlacedLeaf<'_>,
     solution: &Solution,
     known: Option<(Jet, f64)>,
 ) -> Result<Meeting, Dropped> {
-    let on_ray = on_ray(place, question.ray, solution, known)?;
-    let mut candidate = Candidate::new(question, place.leaf, solution, on_ray);
+    let on_ray = on_ray(placed, question.ray, solution, known)?;
+    let mut candidate = Candidate::new(question, placed.leaf, solution, on_ray);
     candidate.keep_to_trims()?;
     candidate.leave_start()?;
     candidate.leave_edge()?;
     candidate.stay_in_range()?;
-    if candidate.just_cut_off {
+    if candidate.trims == AtTrims::JustCutOff {
         return Err(Dropped::from(candidate.on_ray.z, question.ray));
     }
     Ok(candidate.meeting())
@@ -70,19 +73,31 @@ struct Candidate<'a> {
     flags: HitFlags,
     /// Whether the solution lies a little outside the piece.
     moved: bool,
-    /// Whether a trim curve is near, if only one along the border; see [`Meeting::at_trims`].
-    at_trims: bool,
-    /// How far the point may be from the trim edge it is at; zero elsewhere.
-    edge: f64,
-    /// Whether trims cut the point off by more than the rounding of a ray aimed at their edge.
-    cut_off: bool,
-    /// Whether trims keep it, and all that a ray aimed at it may meet.
-    kept_whole: bool,
-    /// See [`Meeting::on_edge`].
-    on_edge: bool,
-    /// Whether trims cut it off for certain, but so near to their edge that another search may have
-    /// found it there.
-    just_cut_off: bool,
+    trims: AtTrims,
+}
+
+/// Where trims leave a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum AtTrims {
+    /// Inside, far from their edges.
+    Inside,
+    /// At a trim curve, if only one along the border (see [`Meeting::at_trims`]), to within this
+    /// distance in space.
+    Edge { distance: f64, kept: Kept },
+    /// Cut off for certain, but so near to an edge that another search may have found the place
+    /// there.
+    JustCutOff,
+}
+
+/// What trims keep of all that a ray aimed at a place at their edge may meet there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kept {
+    Nothing,
+    All,
+    /// The edge passes there; see [`Meeting::on_edge`].
+    Part,
+    /// Not asked, or judged otherwise than the place itself.
+    Unknown,
 }
 
 impl<'a> Candidate<'a> {
@@ -92,41 +107,46 @@ impl<'a> Candidate<'a> {
         solution: &'a Solution,
         on_ray: OnRay<'a>,
     ) -> Self {
-        let (ray, proof) = (question.ray, solution.proof);
-        let OnRay { ref spot, z, .. } = on_ray;
-        let error = spot.piece.patch.error_bound(ray.magnitude);
-        let (normal, mut cosine) = spot.normal_along(ray);
-        if matches!(proof, Proof::Contact(_)) && !spot.has_one_side(ray, cosine, error) {
-            cosine = 0.0;
-        }
-        let mut flags = match proof {
-            Proof::Isolated(_) | Proof::Collapsed => HitFlags::NONE,
-            Proof::Contact(_) => HitFlags::DOUBTFUL,
-            Proof::Stretch(_) => HitFlags::DOUBTFUL.with(HitFlags::INSIDE),
+        let (ray, evidence) = (question.ray, solution.evidence);
+        let Spot { piece, st, .. } = on_ray.spot;
+        let error = piece.patch.error_bound(ray.magnitude);
+        let flags = match evidence {
+            Evidence::Isolated(_) | Evidence::Collapsed => HitFlags::NONE,
+            Evidence::Contact(_) => HitFlags::DOUBTFUL,
+            Evidence::Stretch(_) => HitFlags::DOUBTFUL.with(HitFlags::INSIDE),
         };
-        if proof == Proof::Collapsed && may_touch(leaf, &spot.jet, cosine, error) {
-            flags.insert(HitFlags::DOUBTFUL);
-        }
-        let z_error = error_along(proof, error, (z, cosine));
-        let moved = spot.st != solution.st;
-        Self {
+        let mut candidate = Self {
             question,
             leaf,
             solution,
             on_ray,
             error,
-            z_error,
-            normal,
-            cosine,
+            z_error: error,
+            normal: None,
+            cosine: 0.0,
             flags,
-            moved,
-            at_trims: false,
-            edge: 0.0,
-            cut_off: false,
-            kept_whole: false,
-            on_edge: false,
-            just_cut_off: false,
+            moved: st != solution.st,
+            trims: AtTrims::Inside,
+        };
+        candidate.measure();
+        candidate
+    }
+
+    /// Measures how steeply the ray meets the surface at the place, and so how far off the place
+    /// may be along the ray.
+    fn measure(&mut self) {
+        let Self { question, leaf, error, .. } = *self;
+        let OnRay { ref spot, z, .. } = self.on_ray;
+        let (ray, evidence) = (question.ray, self.solution.evidence);
+        (self.normal, self.cosine) = spot.normal_along(ray);
+        if matches!(evidence, Evidence::Contact(_)) && !spot.has_one_side(ray, self.cosine, error) {
+            self.cosine = 0.0;
         }
+        if evidence == Evidence::Collapsed && may_touch_at_pole(leaf, &spot.jet, self.cosine, error)
+        {
+            self.flags.insert(HitFlags::DOUBTFUL);
+        }
+        self.z_error = error_along(evidence, error, (z, self.cosine));
     }
 
     /// Drops what trims cut off, but not what lies on their edges. At a pole, a kept parameter that
@@ -139,7 +159,6 @@ impl<'a> Candidate<'a> {
         match trim_side(leaf, piece, (spot.st, &spot.jet), &known) {
             Side::Inside => {}
             Side::Edge { inside, distance } => {
-                self.at_trims = true;
                 if piece.is_cut_within(spot.st, trim_reach(&spot.jet, z_error)) {
                     self.flags.insert(HitFlags::TRIM_EDGE);
                 }
@@ -148,35 +167,35 @@ impl<'a> Candidate<'a> {
                 // At a pole a parameter may be anything: a distance that is not finite says
                 // nothing.
                 let off = (distance / lengths).dot(speeds);
-                self.edge = if off.is_finite() { off } else { 0.0 };
+                let distance = if off.is_finite() { off } else { 0.0 };
                 let pole = leaf.collapsed(piece).filter(|_| !inside);
-                let kept = pole.and_then(|side| spot.kept(question.set, side, (ray, allowed)));
-                if let Some(kept) = kept {
-                    self.on_ray.z = ray.axis.dot(kept.jet.point - ray.origin);
-                    (self.normal, self.cosine) = kept.normal_along(ray);
-                    self.on_ray.spot = kept;
+                let place = pole.and_then(|side| spot.kept(question.set, side, (ray, allowed)));
+                let mut kept = Kept::Unknown;
+                if let Some(place) = place {
+                    self.on_ray = OnRay::new(place, ray, allowed);
+                    self.measure();
                 } else if question.all_hits {
-                    match aimed_side(leaf, spot, ray, z_error / error) {
-                        Side::Outside => self.cut_off = !inside,
-                        Side::Inside => self.kept_whole = inside,
-                        Side::Edge { .. } => {
-                            self.on_edge = self.flags.contains(HitFlags::TRIM_EDGE)
-                        }
-                    }
+                    kept = match aimed_side(leaf, spot, ray, z_error / error) {
+                        Side::Outside if !inside => Kept::Nothing,
+                        Side::Inside if inside => Kept::All,
+                        Side::Edge { .. } if self.flags.contains(HitFlags::TRIM_EDGE) => Kept::Part,
+                        _ => Kept::Unknown,
+                    };
                 }
+                self.trims = AtTrims::Edge { distance, kept };
             }
             // The ray may run on inside the surface to a part that is kept.
-            Side::Outside if matches!(self.solution.proof, Proof::Stretch(_)) => {
+            Side::Outside if matches!(self.solution.evidence, Evidence::Stretch(_)) => {
                 return Err(Dropped::from(z, ray));
             }
             Side::Outside if question.all_hits => {
                 let known =
                     KnownRoot { ray, error: TRIM_SPARE * error, along: TRIM_SPARE * z_error };
                 let side = trim_side(leaf, piece, (spot.st, &spot.jet), &known);
-                self.just_cut_off = matches!(side, Side::Edge { .. });
-                if !self.just_cut_off {
+                if !matches!(side, Side::Edge { .. }) {
                     return Err(Dropped::Surely);
                 }
+                self.trims = AtTrims::JustCutOff;
             }
             Side::Outside => return Err(Dropped::Surely),
         }
@@ -186,10 +205,9 @@ impl<'a> Candidate<'a> {
     /// Drops the root the ray starts on: it is not met again.
     fn leave_start(&self) -> Result<(), Dropped> {
         let Self { question, error, z_error, cosine, .. } = *self;
-        let (z, proof) = (self.on_ray.z, self.solution.proof);
-        let off = question.from.map_or(f64::NEG_INFINITY, |root| root.error);
-        let reach = start_reach(proof, error, z_error, cosine) + off;
-        if z.abs() > reach {
+        let Some(root) = question.from else { return Ok(()) };
+        let reach = start_reach(self.solution.evidence, error, z_error, cosine) + root.error;
+        if self.on_ray.z.abs() > reach {
             return Ok(());
         }
         let Some(start) = question.start() else { return Ok(()) };
@@ -209,10 +227,11 @@ impl<'a> Candidate<'a> {
     /// than `reach`; `None` if that is not known.
     ///
     /// On the start's own piece it is, if the solution is the only root in a rectangle that holds
-    /// the start. Another piece has the start's root only if the ray starts beside a side, to
-    /// within `reach`. But so near to a crease it may meet the other face, too: there it goes
-    /// through the surface in the opposite sense. And it is no farther off than the start is along
-    /// *this* ray: to the ray that found it, which may have been grazing, `reach` is far.
+    /// the start. Another piece has the start's root only if that is beside a side of both, to
+    /// within `reach`. But so near to a crease the ray may meet the other face, too: there it goes
+    /// through the surface in the opposite sense, unless the surface is joined to itself the other
+    /// way round. And it is no farther off than the start is along *this* ray: to the ray that found
+    /// it, which may have been grazing, `reach` is far.
     fn is_start(&self, start: &Start<'_>, reach: f64) -> Option<bool> {
         let Self { z_error, cosine, flags, leaf, .. } = *self;
         // Where the ray may touch the surface at a pole, this may be its next root.
@@ -220,19 +239,24 @@ impl<'a> Candidate<'a> {
             return None;
         }
         let is_within = self.on_ray.z.abs() <= z_error + start.error;
-        match self.solution.proof {
-            Proof::Isolated(rect) if start.root.piece == leaf.piece => {
+        match self.solution.evidence {
+            Evidence::Isolated(rect) if start.root.piece == leaf.piece => {
                 holds(rect, start.root.st).then_some(true)
             }
-            Proof::Isolated(_) => match start.sense(cosine) {
+            Evidence::Isolated(_) => match start.sense(cosine) {
                 Sense::Same if is_within => {
-                    (is_short(leaf, reach) && start.is_at_side(2.0 * reach)).then_some(true)
+                    let Spot { piece, st, ref jet, .. } = self.on_ray.spot;
+                    let beside = 2.0 * reach;
+                    let are_beside = start.is_at_side(beside) && is_at_side(piece, st, jet, beside);
+                    let turn = || start.turn(&self.on_ray.spot, beside, beside);
+                    let is_one = is_short(leaf, reach) && are_beside;
+                    (is_one && turn() != Turn::Opposite).then_some(true)
                 }
                 Sense::Opposite if !is_within => Some(false),
                 _ => None,
             },
-            Proof::Collapsed => is_within.then_some(true),
-            Proof::Contact(_) | Proof::Stretch(_) => None,
+            Evidence::Collapsed => is_within.then_some(true),
+            Evidence::Contact(_) | Evidence::Stretch(_) => None,
         }
     }
 
@@ -240,15 +264,22 @@ impl<'a> Candidate<'a> {
     /// surface of the edge: at the same place, and with the same sign of `N · d`, as in
     /// [`crossings`](crate::intersect::crossings).
     ///
+    /// A ray that passes the edge on its outside goes in through one surface and out through the
+    /// other. Where they are turned opposite ways, these have the same sign.
+    ///
     /// Beside the edge the ray crosses one of the surfaces, by rounding perhaps both. It is in
     /// doubt whether crossings are the same that are only as near to each other, and to the edge,
     /// as both may be off.
     fn leave_edge(&self) -> Result<(), Dropped> {
-        let Self { question, z_error, cosine, flags, at_trims, edge, .. } = *self;
+        let Self { question, z_error, cosine, flags, trims, .. } = *self;
+        let Some(root) = question.from else { return Ok(()) };
         let (z, point) = (self.on_ray.z, self.on_ray.spot.jet.point);
-        // What lies on a trim edge may be as far from what is kept as is allowed there.
-        let most_off = question.from.map_or(f64::NEG_INFINITY, |root| z_error + root.error);
-        let farthest = if at_trims { TRIM_REACH * most_off + edge } else { most_off };
+        let most_off = z_error + root.error;
+        let (at_trims, farthest) = match trims {
+            // What lies on a trim edge may be as far from what is kept as is allowed there.
+            AtTrims::Edge { distance, .. } => (true, TRIM_REACH * most_off + distance),
+            AtTrims::Inside | AtTrims::JustCutOff => (false, most_off),
+        };
         let is_clear = flags.without(HitFlags::TRIM_EDGE).is_empty();
         if !(is_clear && z.abs() <= farthest) {
             return Ok(());
@@ -263,7 +294,8 @@ impl<'a> Candidate<'a> {
         let off = z_error + start.error;
         let is_edge = start.is_on_edge() && start.has_edge_at(point);
         if is_at_place(off, 0.0) && is_edge && is_short(self.leaf, off) {
-            return Err(Dropped::Surely);
+            let is_doubtful = start.turn(&self.on_ray.spot, 0.0, z_error) == Turn::Opposite;
+            return Err(if is_doubtful { Dropped::InDoubt(0.0) } else { Dropped::Surely });
         }
         let is_in_doubt = is_at_place(farthest, most_off) && start.may_be_on_edge(most_off);
         if is_in_doubt { Err(Dropped::InDoubt(0.0)) } else { Ok(()) }
@@ -280,7 +312,7 @@ impl<'a> Candidate<'a> {
             return Err(if undecided { from } else { Dropped::Surely });
         }
         let is_flat = self.z_error > EDGE_IN_DOUBT * self.error;
-        if undecided || (self.at_trims && is_flat) {
+        if undecided || (matches!(self.trims, AtTrims::Edge { .. }) && is_flat) {
             self.flags.insert(HitFlags::DOUBTFUL);
         }
         Ok(())
@@ -292,22 +324,20 @@ impl<'a> Candidate<'a> {
         at_border(piece, st, jet, self.error + more)
     }
 
-    fn meeting(self) -> Meeting {
-        let at_border = self.is_at_border(0.0);
-        let Self { question, on_ray, error, z_error, normal, .. } = self;
-        let Self { at_trims, edge, mut cosine, mut flags, .. } = self;
-        let OnRay { spot, z, residual, .. } = on_ray;
-        let ray = question.ray;
-        if at_border {
-            flags.insert(HitFlags::BORDER);
-        }
-        let aimed = AIMED * rounding_at(spot.jet.point, spot.piece, ray);
-        let is_at_pole = self.solution.proof == Proof::Collapsed;
-        let beside_pole = is_at_pole && residual > aimed;
+    /// What the piece covers around the ray, and whether the ray passes beyond it; see [`Meeting`].
+    /// A ray passes within `aimed` of the places it was aimed at.
+    fn cover(&self, aimed: f64, at_border: bool) -> (Cover, bool) {
+        let OnRay { ref spot, residual, .. } = self.on_ray;
+        let ray = self.question.ray;
+        let (at_trims, kept) = match self.trims {
+            AtTrims::Edge { kept, .. } => (true, kept),
+            AtTrims::Inside | AtTrims::JustCutOff => (false, Kept::Unknown),
+        };
+        let is_off = residual > aimed;
+        let beside_pole = is_off && self.solution.evidence == Evidence::Collapsed;
         let outside_pole =
             if beside_pole { spot.is_passed_outside_at_pole(ray, [aimed, -aimed]) } else { None };
-        let beyond =
-            self.cut_off || residual > aimed && self.moved || outside_pole.unwrap_or(false);
+        let beyond = kept == Kept::Nothing || is_off && self.moved || outside_pole.unwrap_or(false);
         // Where the surface goes on in another piece, either is met, but neither covers everything.
         let inside_pole = || spot.is_passed_outside_at_pole(ray, [aimed; 2]) == Some(false);
         let cover = if beyond {
@@ -316,19 +346,37 @@ impl<'a> Candidate<'a> {
             Cover::Whole // with trims, which may cut off any part of the sector, it is not known
         } else if beside_pole {
             Cover::Unknown
-        } else if self.kept_whole && !at_border {
+        } else if kept == Kept::All && !at_border {
             Cover::Whole
         } else {
             Cover::Sector
         };
+        (cover, beyond)
+    }
+
+    fn meeting(self) -> Meeting {
+        let at_border = self.is_at_border(0.0);
+        let aimed = AIMED
+            * rounding_at(self.on_ray.spot.jet.point, self.on_ray.spot.piece, self.question.ray);
+        let (cover, beyond) = self.cover(aimed, at_border);
+        let Self { question, on_ray, error, z_error, normal, mut cosine, mut flags, .. } = self;
+        let OnRay { spot, z, .. } = on_ray;
+        let ray = question.ray;
+        if at_border {
+            flags.insert(HitFlags::BORDER);
+        }
         if question.all_hits && at_border && stands_still(&spot, error) {
             // Which way the ray goes through the surface is not known.
             flags.insert(HitFlags::DOUBTFUL);
             cosine = 0.0;
         }
+        let (at_trims, edge, on_edge) = match self.trims {
+            AtTrims::Edge { distance, kept } => (true, distance, kept == Kept::Part),
+            AtTrims::Inside | AtTrims::JustCutOff => (false, 0.0, false),
+        };
         let Spot { index, piece, st, jet } = spot;
-        let stretch = match self.solution.proof {
-            Proof::Stretch(z) => Some(z.map(|z| z * ray.t_from_z)),
+        let stretch = match self.solution.evidence {
+            Evidence::Stretch(z) => Some(z.map(|z| z * ray.t_from_z)),
             _ => None,
         };
         Meeting {
@@ -347,7 +395,7 @@ impl<'a> Candidate<'a> {
             cosine,
             stretch,
             beyond,
-            on_edge: self.on_edge,
+            on_edge,
             aimed,
             cover,
             place: 0,
@@ -383,6 +431,14 @@ struct OnRay<'a> {
     allowed: f64,
 }
 
+impl<'a> OnRay<'a> {
+    fn new(spot: Spot<'a>, ray: &RayFrame, allowed: f64) -> Self {
+        let point = spot.jet.point;
+        let (z, residual) = (ray.axis.dot(point - ray.origin), ray.distance(point));
+        Self { spot, z, residual, allowed }
+    }
+}
+
 /// The place of a solution on the closed piece: a root a little outside counts as the nearest point
 /// of the border.
 ///
@@ -402,11 +458,11 @@ fn on_ray<'a>(
         (jet, ray.axis.dot(jet.point - ray.origin))
     });
     let residual = ray.distance(jet.point);
-    let allowed = match solution.proof {
-        Proof::Isolated(_) => error,
-        Proof::Collapsed => AT_POLE * error,
-        Proof::Contact(_) => 2.0 * error,
-        Proof::Stretch(_) => AROUND * error,
+    let allowed = match solution.evidence {
+        Evidence::Isolated(_) => error,
+        Evidence::Collapsed => AT_POLE * error,
+        Evidence::Contact(_) => 2.0 * error,
+        Evidence::Stretch(_) => AROUND * error,
     };
     if residual <= allowed {
         let spot = Spot { index: leaf.piece, piece, st, jet };
@@ -415,7 +471,7 @@ fn on_ray<'a>(
     // Where floating-point parameters are too coarse, the root lies between two of them.
     let speed = jet.ds.length() * st.x + jet.dt.length() * st.y;
     let too_coarse = residual <= allowed + 4.0 * rounding::UNIT_ROUNDOFF * speed;
-    let stretch = solution.proof.stretch();
+    let stretch = solution.evidence.open_range();
     let unexplained = stretch.is_some() || !moved || too_coarse;
     let from = stretch.map_or(z, |[from, _]| from.min(z));
     Err(if unexplained { Dropped::from(from, ray) } else { Dropped::Surely })
@@ -433,7 +489,7 @@ fn is_short(leaf: &Leaf, reach: f64) -> bool {
 ///
 /// With the radius of curvature R, the ray meets the surface again at the distance 2 R cos(N, d),
 /// and in between is within R cos² / 2 of the surface. A leaf turns by less than its length over R.
-fn may_touch(leaf: &Leaf, jet: &Jet, cosine: f64, error: f64) -> bool {
+fn may_touch_at_pole(leaf: &Leaf, jet: &Jet, cosine: f64, error: f64) -> bool {
     let sides = leaf.rect().map(|[from, to]| to - from);
     let length = (sides[0] * jet.ds.length()).max(sides[1] * jet.dt.length());
     cosine * cosine * length <= CLEAR_OF_POLE * error
@@ -449,14 +505,14 @@ pub(crate) const AROUND: f64 = 4.0;
 const EDGE_IN_DOUBT: f64 = 1e5;
 
 /// Error bound along the ray of a root at `z`, given the error bound of its point.
-fn error_along(proof: Proof, error: f64, (z, cosine): (f64, f64)) -> f64 {
-    match proof {
-        Proof::Isolated(_) | Proof::Collapsed => steep(error, cosine),
+fn error_along(evidence: Evidence, error: f64, (z, cosine): (f64, f64)) -> f64 {
+    match evidence {
+        Evidence::Isolated(_) | Evidence::Collapsed => steep(error, cosine),
         // The ray may touch anywhere between, and the place was moved to where the surface is
         // nearest.
-        Proof::Contact([from, to]) => (z - from).max(to - z).max(0.0) + error,
+        Evidence::Contact([from, to]) => (z - from).max(to - z).max(0.0) + error,
         // Ends are found to within `END` of the leaf; a stretch is longer than `STRETCH` of it.
-        Proof::Stretch([from, to]) => 4.0 * error + END / STRETCH * (to - from).abs(),
+        Evidence::Stretch([from, to]) => 4.0 * error + END / STRETCH * (to - from).abs(),
     }
 }
 
@@ -464,9 +520,9 @@ fn error_along(proof: Proof, error: f64, (z, cosine): (f64, f64)) -> f64 {
 ///
 /// A contact is cut off where the leaf's slack ends: another leaf may have found what lies between
 /// the contact and the start, which is no longer than the contact.
-fn start_reach(proof: Proof, error: f64, z_error: f64, cosine: f64) -> f64 {
-    match proof {
-        Proof::Contact([from, to]) => z_error.max(steep(error, cosine).min(to - from + error)),
+fn start_reach(evidence: Evidence, error: f64, z_error: f64, cosine: f64) -> f64 {
+    match evidence {
+        Evidence::Contact([from, to]) => z_error.max(steep(error, cosine).min(to - from + error)),
         _ => z_error,
     }
 }

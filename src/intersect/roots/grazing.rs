@@ -7,7 +7,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::borders::{TRIM_REACH, step_towards, trim_reach};
+use super::reach::{TRIM_REACH, parameter_reach, step_towards};
 use crate::geometry::RectSide;
 use crate::geometry::trim::Side;
 use crate::math::RayFrame;
@@ -95,7 +95,7 @@ impl KnownRoot<'_> {
             return Strip::Open; // also for NaN
         }
         // Twice as far as the ends, which must surely be within reach.
-        let reach = trim_reach(&middle.jet, 2.0 * half / TRIM_REACH + self.error);
+        let reach = parameter_reach(&middle.jet, 2.0 * half + TRIM_REACH * self.error);
         let holds = |foot: &Foot| (foot.st - middle.st).abs().cmple(reach).all();
         match piece.side(middle.st, reach) {
             side @ (Side::Inside | Side::Outside) if holds(a) && holds(b) => Strip::Of(side),
@@ -112,6 +112,7 @@ enum Strip {
     Of(Side),
     /// Its parts may each lie on one side.
     Open,
+    /// Part of it lies over another piece.
     Unknown,
 }
 

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use glam::{DVec2, DVec3};
 
-use super::borders::{AIMED, rounding_at};
+use super::reach::{AIMED, rounding_at};
 use crate::intersect::HitFlags;
 use crate::math::RayFrame;
 use crate::patch::{Jet, Piece};

@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
-use super::borders::trim_reach;
 use super::grazing::KnownRoot;
+use super::reach::trim_reach;
 use crate::geometry::trim::Side;
 use crate::patch::{Jet, Leaf, Piece, WIDENING, holds};
 

@@ -6,7 +6,7 @@ use crate::intersect::roots::meeting::Meeting;
 use crate::intersect::{Occlusion, Statistics};
 
 /// What a search found, and its scratch memory.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Findings {
     pub meetings: Vec<Meeting>,
     /// The smallest ray parameter at which something may have been missed.
@@ -17,6 +17,20 @@ pub(crate) struct Findings {
     pub(super) effort: u64,
     solver: ExactSolver,
     pub(super) solutions: Vec<Solution>,
+}
+
+impl Default for Findings {
+    /// Nothing, without doubt.
+    fn default() -> Self {
+        Self {
+            meetings: Vec::new(),
+            doubt: f64::INFINITY,
+            statistics: Statistics::default(),
+            effort: 0,
+            solver: ExactSolver::default(),
+            solutions: Vec::new(),
+        }
+    }
 }
 
 impl Findings {

@@ -18,8 +18,9 @@ impl Hull {
         Self(net.into_iter().map(|c| ray.coordinates(c.truncate() / c.w)).collect())
     }
 
-    /// Whether some plane parallel to the ray, more than `distance` from it, has the whole hull on
-    /// its far side.
+    /// Whether a plane parallel to the ray and more than `distance` from it is known to have the
+    /// whole hull on its far side: only one plane is tried, across the bisector of the outermost
+    /// directions in which the ray sees the hull.
     pub(super) fn is_passed_by(&self, distance: f64) -> bool {
         let across = || self.0.iter().map(|point| point.xy());
         // The outermost points on either side, as seen from the ray, if it passes the hull.

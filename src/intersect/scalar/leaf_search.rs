@@ -4,12 +4,13 @@ use glam::DVec2;
 
 use super::findings::Findings;
 use super::hull::Hull;
-use super::newton::{Grounds, Newton, newton};
+use super::newton::{CertifiedLeaf, Newton, newton};
 use crate::geometry::RectSide;
-use crate::intersect::exact::{Problem, Proof, Solution};
+use crate::intersect::exact::{Evidence, Problem, Solution};
 use crate::intersect::roots::accept::{AROUND, Dropped, accept};
 use crate::intersect::roots::borders::on_piece;
-use crate::intersect::roots::question::{PlacedLeaf, Question};
+use crate::intersect::roots::placed_leaf::PlacedLeaf;
+use crate::intersect::roots::question::Question;
 use crate::math::RayFrame;
 use crate::patch::{LEAF_SLACK, Leaf, Passage, Piece, StRect, WIDENING, holds};
 
@@ -22,20 +23,21 @@ use crate::patch::{LEAF_SLACK, Leaf, Passage, Piece, StRect, WIDENING, holds};
 /// the point found is the leaf's only meeting if it lies in the leaf or its slack; if it lies
 /// outside, the leaf is proved to be missed. The leaf is also missed where a step from beyond it
 /// surely leads farther away.
+///
 /// `z_limit` is the distance along the ray up to which anything is of interest.
 pub(crate) fn search(
     question: &Question<'_>,
-    place: &PlacedLeaf<'_>,
+    placed: &PlacedLeaf<'_>,
     passage: &Passage,
     z_limit: f64,
     findings: &mut Findings,
 ) {
     findings.statistics.leaf_tests += 1;
-    let PlacedLeaf { leaf, oriented, piece } = *place;
+    let PlacedLeaf { leaf, oriented, piece } = *placed;
     let ray = question.ray;
     let error = piece.patch.error_bound(ray.magnitude);
 
-    if certified(place, ray, error) {
+    if certified(placed, ray, error) {
         let widened = leaf.widened(piece, WIDENING);
         let starts_here =
             question.from.is_some_and(|root| root.piece == leaf.piece && holds(widened, root.st));
@@ -44,15 +46,15 @@ pub(crate) fn search(
         }
         let start = first_guess(leaf, passage.middle);
         let wanted = leaf.widened(piece, LEAF_SLACK);
-        let (axes, bend) = (oriented.unit_axes(), leaf.certificate.bend());
-        let grounds = Grounds { domain: widened, wanted, axes, bend };
-        let (end, steps) = newton(&piece.patch, ray, start, &grounds, error);
+        let (axes, tilts) = (oriented.unit_axes(), leaf.certificate.tilts());
+        let certified_leaf = CertifiedLeaf { domain: widened, wanted, axes, tilts };
+        let (end, steps) = newton(&piece.patch, ray, start, &certified_leaf, error);
         findings.statistics.newton_iterations += u64::from(steps);
         match end {
             Newton::Converged { st, jet, z } => {
                 if holds(wanted, st) {
-                    let solution = Solution { st, proof: Proof::Isolated(widened) };
-                    findings.add(accept(question, place, &solution, Some((jet, z))));
+                    let solution = Solution { st, evidence: Evidence::Isolated(widened) };
+                    findings.add(accept(question, placed, &solution, Some((jet, z))));
                 }
                 return;
             }
@@ -63,62 +65,45 @@ pub(crate) fn search(
     // A search may reach a leaf whose box the ray meets though the ray misses the boxes around it:
     // a packet does so on behalf of other rays. So what is searched, and doubted, depends on the
     // leaf alone, not on how it was reached.
-    if let Some(from) = met_from(place, passage, ray) {
-        search_exactly(question, place, Some(from), z_limit, findings);
+    if let Some(from) = met_from(placed, passage, ray) {
+        search_exactly(question, placed, Some(from), z_limit, findings);
     }
 }
 
-/// Searches a leaf the exact way: all roots by subdivision, whatever the certificate says. `from`
-/// is the result of [`met_from`]: if it is `None`, only proved roots count.
+/// Searches a leaf the exact way: all roots by subdivision, whatever the certificate says.
+/// `nearest_z` is the result of [`met_from`]: if it is `None`, only proved roots count.
+///
+/// Doubt arises in three ways: from a solution that cannot be decided; from a stretch of which
+/// neither end counts; and, if nothing is met, from a leaf that was not searched entirely, or whose
+/// stretches were moved out of the ray's range.
 pub(crate) fn search_exactly(
     question: &Question<'_>,
-    place: &PlacedLeaf<'_>,
-    from: Option<f64>,
+    placed: &PlacedLeaf<'_>,
+    nearest_z: Option<f64>,
     z_limit: f64,
     findings: &mut Findings,
 ) {
-    let (ray, piece) = (question.ray, place.piece);
+    let (ray, piece) = (question.ray, placed.piece);
     if findings.effort >= MOST_EFFORT {
-        if let Some(z) = from {
+        if let Some(z) = nearest_z {
             findings.doubt_at(z * ray.t_from_z);
         }
         return;
     }
-    let (problem, is_all) = problem(place, ray, z_limit);
+    let (problem, holds_all) = pose(placed, ray, z_limit);
     let mut solutions = findings.solve(&problem, cost_of_box(piece.patch.degree()));
-    let is_proved = |solution: &Solution| solution.proof.stretch().is_none();
-    if from.is_none() {
+    let is_proved = |solution: &Solution| solution.evidence.is_proof();
+    if nearest_z.is_none() {
         // In the slack, weights may vanish and the surface may be anywhere.
         solutions.retain(is_proved);
     }
-    let earliest = solutions.iter().filter_map(|solution| open_from(solution.proof, &problem));
-    let earliest = earliest.fold(f64::INFINITY, f64::min);
+    let open_z = solutions.iter().filter_map(|solution| open_from(solution.evidence, &problem));
+    let open_z = open_z.fold(f64::INFINITY, f64::min);
     clip_stretches(piece, ray, &mut solutions);
 
-    // The smallest ray parameter at which something of this leaf may have been missed.
-    let mut doubt = f64::INFINITY;
-    let mut any = false;
-    for same in solutions.chunk_by(|a, b| a.proof == b.proof) {
-        let mut met = false;
-        for solution in same {
-            match accept(question, place, solution, None) {
-                Ok(meeting) => {
-                    findings.meetings.push(meeting);
-                    met = true;
-                }
-                Err(Dropped::InDoubt(t)) => doubt = doubt.min(t),
-                Err(Dropped::Surely) => {}
-            }
-        }
-        // Both ends of a stretch may lie outside the ray's range, and the range between them.
-        if !met && matches!(same[0].proof, Proof::Stretch(_)) {
-            let from = open_from(same[0].proof, &problem);
-            doubt = doubt.min(from.map_or(f64::INFINITY, |z| z * ray.t_from_z));
-        }
-        any |= met;
-    }
-    if !any {
-        if let Some(z) = from.filter(|_| !is_all && !solutions.iter().any(is_proved))
+    let (is_met, mut doubt) = accept_all(question, placed, &problem, &solutions, findings);
+    if !is_met {
+        if let Some(z) = nearest_z.filter(|_| !holds_all && !solutions.iter().any(is_proved))
             && (!solutions.is_empty()
                 || passes_near(&problem, cost_of_box(piece.patch.degree()), findings))
         {
@@ -126,11 +111,46 @@ pub(crate) fn search_exactly(
         }
         // The places that stand for a stretch may have been moved out of the ray's range, far from
         // the origin.
-        doubt = doubt.min(earliest * ray.t_from_z);
+        doubt = doubt.min(open_z * ray.t_from_z);
     }
     // No part of the leaf is nearer.
-    findings.doubt_at(from.map_or(doubt, |z| doubt.max(z * ray.t_from_z)));
+    findings.doubt_at(nearest_z.map_or(doubt, |z| doubt.max(z * ray.t_from_z)));
     findings.solutions = solutions;
+}
+
+/// Adds what is met at the solutions of a problem. Returns whether anything is, and the smallest
+/// ray parameter at which something may have been missed.
+fn accept_all(
+    question: &Question<'_>,
+    placed: &PlacedLeaf<'_>,
+    problem: &Problem<'_>,
+    solutions: &[Solution],
+    findings: &mut Findings,
+) -> (bool, f64) {
+    let (mut any, mut doubt) = (false, f64::INFINITY);
+    for same in solutions.chunk_by(|a, b| a.evidence == b.evidence) {
+        let mut is_met = false;
+        for solution in same {
+            match accept(question, placed, solution, None) {
+                Ok(meeting) => {
+                    findings.meetings.push(meeting);
+                    is_met = true;
+                }
+                Err(Dropped::InDoubt(t)) => doubt = doubt.min(t),
+                Err(Dropped::Surely) => {}
+            }
+        }
+        // Both ends of a stretch may lie outside the ray's range, and the range between them.
+        let evidence = same[0].evidence;
+        if !is_met
+            && matches!(evidence, Evidence::Stretch(_))
+            && let Some(z) = open_from(evidence, problem)
+        {
+            doubt = doubt.min(z * question.ray.t_from_z);
+        }
+        any |= is_met;
+    }
+    (any, doubt)
 }
 
 /// Whether the ray, within its range of interest, may pass the leaf within [`AROUND`] errors. Its
@@ -150,13 +170,13 @@ fn passes_near(problem: &Problem<'_>, cost_of_box: u64, findings: &mut Findings)
 
 /// The problem of finding all roots of a ray on a leaf, as far as `z_limit` along the ray, and
 /// whether these are all that count.
-fn problem<'a>(
+fn pose<'a>(
     &PlacedLeaf { leaf, piece, .. }: &PlacedLeaf<'a>,
     ray: &'a RayFrame,
     z_limit: f64,
 ) -> (Problem<'a>, bool) {
     let error = piece.patch.error_bound(ray.magnitude);
-    let (rect, is_all) = searched(leaf, piece, error);
+    let (rect, holds_all) = searched_rect(leaf, piece, error);
     let [z_min, z_max] = ray.z_range;
     let problem = Problem {
         patch: &piece.patch,
@@ -167,15 +187,15 @@ fn problem<'a>(
         error,
         z_range: [z_min, z_max.min(z_limit)],
     };
-    (problem, is_all)
+    (problem, holds_all)
 }
 
 /// The distance along the ray from which on it may meet a leaf, or pass it within rounding: not
 /// before it enters the leaf's box, nor before the nearest control point. `None` if the ray passes
 /// by the control points' hull.
-pub(crate) fn met_from(place: &PlacedLeaf<'_>, passage: &Passage, ray: &RayFrame) -> Option<f64> {
+pub(crate) fn met_from(placed: &PlacedLeaf<'_>, passage: &Passage, ray: &RayFrame) -> Option<f64> {
     let (hull, error) =
-        (Hull::of(place.leaf, place.piece, ray), place.piece.patch.error_bound(ray.magnitude));
+        (Hull::of(placed.leaf, placed.piece, ray), placed.piece.patch.error_bound(ray.magnitude));
     let nearest = hull.nearest_z().max(passage.entry) - error;
     (!hull.is_passed_by(AROUND * error)).then_some(nearest.max(ray.z_range[0]))
 }
@@ -203,11 +223,11 @@ fn cost_of_box([p, q]: [usize; 2]) -> u64 {
 ///
 /// Far from the origin that may be more than the slack, or even than the leaf; as
 /// [`FARTHEST_BEYOND`] limits it, roots that count may lie farther out.
-fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (StRect, bool) {
+fn searched_rect(leaf: &Leaf, piece: &Piece, error: f64) -> (StRect, bool) {
     let mut rect = leaf.widened(piece, LEAF_SLACK);
     let sides = leaf.rect();
     let middle = DVec2::from_array(sides.map(|[from, to]| 0.5 * (from + to)));
-    let mut is_all = true;
+    let mut holds_all = true;
     for side in RectSide::ALL {
         let fixed = side.fixed();
         if !side.is_reached_by(&sides) || leaf.collapsed(piece) == Some(side) {
@@ -230,13 +250,14 @@ fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (StRect, bool) {
                 place[side.along()] = across;
                 part(place) > 4.0 * farthest
             };
-            is_all &= in_middle <= 4.0 * farthest || !sides[side.along()].into_iter().any(is_short);
+            holds_all &=
+                in_middle <= 4.0 * farthest || !sides[side.along()].into_iter().any(is_short);
             let [from, to] = sides[fixed];
             let more = in_middle.min(farthest) * (to - from);
             rect[fixed][side.end()] = if side.is_last() { to + more } else { from - more };
         }
     }
-    (rect, is_all)
+    (rect, holds_all)
 }
 
 /// How many errors beyond a side of a piece are searched: twice as far as roots are wanted. A root
@@ -251,8 +272,8 @@ const FARTHEST_BEYOND: f64 = 0.125;
 
 /// The distance from which on a ray may meet something that is known only to lie along a stretch of
 /// the ray; `None` for a proved root, or a stretch outside the range of interest.
-fn open_from(proof: Proof, problem: &Problem<'_>) -> Option<f64> {
-    let ([from, to], [z_min, z_max]) = (proof.stretch()?, problem.z_range);
+fn open_from(evidence: Evidence, problem: &Problem<'_>) -> Option<f64> {
+    let ([from, to], [z_min, z_max]) = (evidence.open_range()?, problem.z_range);
     (from <= z_max && to >= z_min).then_some(from.max(z_min))
 }
 
@@ -260,28 +281,28 @@ fn open_from(proof: Proof, problem: &Problem<'_>) -> Option<f64> {
 /// stretch of which no part is on the piece becomes a contact with the border, somewhere along it.
 fn clip_stretches(piece: &Piece, ray: &RayFrame, solutions: &mut [Solution]) {
     // The solver reports both ends of a stretch, one after the other.
-    for ends in solutions.chunk_by_mut(|a, b| a.proof == b.proof) {
-        let Proof::Stretch([first, last]) = ends[0].proof else { continue };
+    for ends in solutions.chunk_by_mut(|a, b| a.evidence == b.evidence) {
+        let Evidence::Stretch([first, last]) = ends[0].evidence else { continue };
         for pair in ends.chunks_exact_mut(2) {
             pair.iter_mut().for_each(|end| end.st = on_piece(piece, ray, end.st));
             let [from, to] =
                 [0, 1].map(|k| ray.axis.dot(piece.patch.point(pair[k].st) - ray.origin));
-            let proof = if from < to {
-                Proof::Stretch([from, to])
+            let evidence = if from < to {
+                Evidence::Stretch([from, to])
             } else {
-                Proof::Contact([to.min(first), from.max(last)])
+                Evidence::Contact([to.min(first), from.max(last)])
             };
-            pair.iter_mut().for_each(|end| end.proof = proof);
+            pair.iter_mut().for_each(|end| end.evidence = evidence);
         }
     }
 }
 
 /// Whether the leaf's certificate covers this ray, and rounding is small compared with the leaf.
-fn certified(place: &PlacedLeaf<'_>, ray: &RayFrame, error: f64) -> bool {
-    let certificate = &place.leaf.certificate;
-    let slopes = place.oriented.directions().map(|row| row.dot(ray.axis));
+fn certified(placed: &PlacedLeaf<'_>, ray: &RayFrame, error: f64) -> bool {
+    let certificate = &placed.leaf.certificate;
+    let slopes = placed.oriented.directions().map(|row| row.dot(ray.axis));
     let Some(steepness) = certificate.steepness_if_valid(slopes, error) else { return false };
-    place.leaf.pole(place.piece).is_none_or(|pole| {
+    placed.leaf.pole(placed.piece).is_none_or(|pole| {
         let distance = ray.distance(pole);
         error * f64::from(certificate.pole_per_error()) <= steepness * distance
     })

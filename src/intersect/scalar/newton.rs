@@ -30,18 +30,18 @@ pub(super) enum Newton {
 
 /// Where Newton's iteration may go, for a certified leaf and ray.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Grounds {
+pub(super) struct CertifiedLeaf {
     /// The rectangle on which there is at most one root.
     pub(super) domain: StRect,
     /// The part of it that roots are wanted in: the leaf with its slack.
     pub(super) wanted: StRect,
-    /// Unit vectors along the leaf's tangents and its normal, and how far the tangents bend: see
+    /// Unit vectors along the leaf's tangents and its normal, and how far tangents tilt: see
     /// [`Certificate`](crate::patch::Certificate).
     pub(super) axes: [DVec3; 3],
-    pub(super) bend: [[f64; 2]; 2],
+    pub(super) tilts: [[f64; 2]; 2],
 }
 
-impl Grounds {
+impl CertifiedLeaf {
     /// Whether the step `−delta` from `st` proves that the leaf is missed; `f` is the residual.
     ///
     /// The cross product of `f` and a projected vector `v` is `v · g`, where `g` is `f` turned
@@ -53,7 +53,7 @@ impl Grounds {
         (0..2).any(|k| {
             let [low, high] = self.wanted[k];
             let away = (st[k] < low && delta[k] > 0.0) || (st[k] > high && delta[k] < 0.0);
-            let [other, out] = self.bend[k];
+            let [other, out] = self.tilts[k];
             let turned = other * (across[k] + rest) + out * (normal + rest) + rest;
             away && across[1 - k] > turned
         })
@@ -77,10 +77,10 @@ pub(super) fn newton(
     patch: &TensorPatch,
     ray: &RayFrame,
     start: DVec2,
-    grounds: &Grounds,
+    certified_leaf: &CertifiedLeaf,
     error: f64,
 ) -> (Newton, u32) {
-    let domain = grounds.domain;
+    let domain = certified_leaf.domain;
     let low = DVec2::new(domain[0][0], domain[1][0]);
     let high = DVec2::new(domain[0][1], domain[1][1]);
     let finest = 4.0 * rounding::UNIT_ROUNDOFF * patch.magnitude().max(ray.magnitude);
@@ -110,7 +110,7 @@ pub(super) fn newton(
 
         let (a, b) = (ray.across(jet.ds), ray.across(jet.dt));
         let delta = DVec2::new(f.perp_dot(b), a.perp_dot(f)) / a.perp_dot(b);
-        if residual > CLEAR_OF_ERROR * error && grounds.rule_out(ray, st, delta, f) {
+        if residual > CLEAR_OF_ERROR * error && certified_leaf.rule_out(ray, st, delta, f) {
             return (Newton::Missed, steps);
         }
         let next = (st - delta).clamp(low, high);

@@ -21,7 +21,7 @@ impl Tree {
         stack: &mut Vec<(f64, ChildCode)>,
         mut visit: impl FnMut(u32, (&OrientedBox, &ScaledFrame)) -> f64,
     ) -> u64 {
-        let (mut frame, mut slabs) = (self.frame(), Slabs::new(self.frame(), ray));
+        let (mut frame, mut slabs) = (self.frame(), BoxTest::new(self.frame(), ray));
         let mut limit = ray.z_range[1];
         let mut visited = 0;
         stack.clear();
@@ -53,7 +53,7 @@ impl Tree {
                 Child::Region(index, way) => {
                     let (region, next) = self.enter(index, way);
                     stack.extend(next.map(|code| (f64::NEG_INFINITY, code)));
-                    (frame, slabs) = (&region.frame, Slabs::new(&region.frame, ray));
+                    (frame, slabs) = (&region.frame, BoxTest::new(&region.frame, ray));
                 }
             }
         }
@@ -68,7 +68,7 @@ const BOX_ROUNDING: f64 = 512.0 * rounding::UNIT_ROUNDOFF;
 const _: () = assert!(BOX_ROUNDING > 1.5 * rounding::residual_factor(MAX_DEGREE, MAX_DEGREE));
 
 /// A ray prepared for box tests in scaled coordinates.
-struct Slabs {
+struct BoxTest {
     /// The origin, moved by the rounding error of the test towards either side.
     origin_low: DVec3,
     origin_high: DVec3,
@@ -79,7 +79,7 @@ struct Slabs {
     range: [f64; 2],
 }
 
-impl Slabs {
+impl BoxTest {
     fn new(frame: &ScaledFrame, ray: &RayFrame) -> Self {
         let origin = frame.scaled(ray.origin);
         // Rounding of the subtraction, and of the surface's own points for this origin.

@@ -31,20 +31,24 @@ impl Tracer<'_> {
         let Some(met) = answer.hit.filter(|hit| hit.t < 1.0) else {
             return Occlusion { occluded: false, doubtful: answer.doubtful };
         };
-        let End { is_end, grazes } = End::of(&met, to, &ray);
-        Occlusion { occluded: !is_end, doubtful: answer.doubtful || (grazes && !is_end) }
+        match Met::of(&met, to, &ray) {
+            Met::End => Occlusion { occluded: false, doubtful: answer.doubtful },
+            Met::PerhapsEnd => Occlusion { occluded: true, doubtful: true },
+            Met::Elsewhere => Occlusion { occluded: true, doubtful: answer.doubtful },
+        }
     }
 }
 
 /// How a hit lies to the place where its ray is meant to end.
-struct End {
+enum Met {
     /// It is that place.
-    is_end: bool,
+    End,
     /// It is elsewhere on the ray, but not known to be off the surface there.
-    grazes: bool,
+    PerhapsEnd,
+    Elsewhere,
 }
 
-impl End {
+impl Met {
     fn of(met: &Hit, to: &Hit, ray: &Ray) -> Self {
         // The ray's direction is off by the rounding of both points.
         let size = ray.origin().abs().max(to.point.abs()).max_element();
@@ -53,13 +57,22 @@ impl End {
         let reach = 2.0 * (met.root.across() + to.root.across()) + rounding;
         if to.normal.is_nan() || met.normal.is_nan() {
             let farthest = 2.0 * (met.root.error + to.root.error) + rounding;
-            return Self { is_end: off.length() <= reach, grazes: off.length() <= farthest };
+            return match off.length() {
+                length if length <= reach => Self::End,
+                length if length <= farthest => Self::PerhapsEnd,
+                _ => Self::Elsewhere,
+            };
         }
         let direction = ray.direction().normalize_or_zero();
         let is_in_plane = off.dot(to.normal).abs() <= reach;
         let is_steep = direction.dot(to.normal).abs() > GRAZING;
-        let is_end = is_in_plane && (is_steep || off.length() <= 2.0 * reach);
-        Self { is_end, grazes: is_in_plane }
+        if !is_in_plane {
+            Self::Elsewhere
+        } else if is_steep || off.length() <= 2.0 * reach {
+            Self::End
+        } else {
+            Self::PerhapsEnd
+        }
     }
 }
 

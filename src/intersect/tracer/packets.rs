@@ -1,13 +1,14 @@
 //! First and any hits of coherent rays: packets, and the scalar search for what they leave
 //! undecided.
 
-use super::looks::border_flag;
-use super::{PacketScratch, answer_of};
+use super::PacketScratch;
+use super::answer::{answer_of, border_flag};
 use crate::intersect::level::{Level, dispatch};
 use crate::intersect::query::StartIn;
 use crate::intersect::roots::meeting::{CertainHit, Meeting};
 use crate::intersect::scalar::findings::occlusion;
-use crate::intersect::wide::{Ahead, LaneHit, Moment, PACKET, ReadAhead, Wanted, trace};
+use crate::intersect::wanted::Wanted;
+use crate::intersect::wide::{Ahead, LaneHit, Moment, PACKET, ReadAhead, trace_packet};
 use crate::intersect::{Answer, HitFlags, Occlusion, Shot, Tracer};
 use crate::math::bits::{has, set_bits};
 use crate::math::{Ray, RayFrame};
@@ -110,7 +111,7 @@ impl Tracer<'_> {
         packet.ask(wanted);
         self.findings.statistics.rays += shots.len() as u64;
         let view = &self.view;
-        dispatch!(level, simd => trace(simd, view, shots, ahead, packet, work));
+        dispatch!(level, simd => trace_packet(simd, view, shots, ahead, packet, work));
     }
 
     /// Searches, ray by ray, the leaves that the packet could not decide.

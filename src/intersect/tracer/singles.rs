@@ -4,20 +4,16 @@ use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
-use super::answer_of;
-use super::looks::{border_flag, reported_normal};
+use super::answer::{answer_of, border_flag, reported_normal};
 use crate::geometry::RectSide;
 use crate::intersect::level::{Level, dispatch};
 use crate::intersect::query::{OneShot, StartIn};
 use crate::intersect::roots::meeting::{CertainHit, Meeting};
-use crate::intersect::roots::question::Question;
-use crate::intersect::scalar::leaf_search;
-use crate::intersect::wide::{
-    BvhView, HitPlace, SingleHit, SingleRay, SingleWork, Wanted, trace_single,
-};
+use crate::intersect::wanted::Wanted;
+use crate::intersect::wide::{BvhView, HitPlace, SingleHit, SingleRay, SingleWork, trace_single};
 use crate::intersect::{Answer, Hit, HitFlags, Occlusion, Query, Root, Shot, Tracer};
 use crate::math::{Ray, RayFrame};
-use crate::patch::{Jet, Leaf, OrientedBox, Passage, Piece, SetId};
+use crate::patch::{Jet, Leaf, Piece, SetId};
 
 impl Tracer<'_> {
     /// The first hit of one ray.
@@ -29,19 +25,19 @@ impl Tracer<'_> {
             self.findings.statistics.rays += 1;
             return Answer::default();
         }
-        dispatch!(level, simd => first_hit(simd, self, shot))
+        dispatch!(level, simd => trace_first(simd, self, shot))
     }
 
     /// Whether anything lies on one ray.
     pub(super) fn single_any(&mut self, level: Level, shot: OneShot<'_>) -> Occlusion {
-        dispatch!(level, simd => any_hit(simd, self, shot))
+        dispatch!(level, simd => trace_any(simd, self, shot))
     }
 
     /// Puts the meetings of one ray with all leaves it may meet into the findings; returns the
     /// ray's unit direction.
     pub(super) fn single_all(&mut self, level: Level, query: &Query) -> DVec3 {
         let ray = (&query.ray, query.start_in(&self.bvh.set));
-        let frame = dispatch!(level, simd => search(simd, self, ray, Wanted::All));
+        let frame = dispatch!(level, simd => fast_search(simd, self, ray, Wanted::All));
         let view = self.view;
         // At borders, which hits are one crossing depends on more than where they are.
         let SingleWork { all, undecided, .. } = &mut self.single;
@@ -73,57 +69,9 @@ impl Tracer<'_> {
         shots: &[Q],
         answers: &mut Vec<Occlusion>,
     ) {
-        dispatch!(level, simd => any_hits(simd, self, shots, answers));
+        dispatch!(level, simd => trace_any_each(simd, self, shots, answers));
     }
 
-    /// Runs the scalar search on the leaves that the fast one could not decide, as far as `limit`
-    /// along the ray; stops at the first certain hit if any will do.
-    ///
-    /// Near leaves come first, whatever the order they were found in: effort spent on one is not
-    /// left for others.
-    pub(super) fn search_undecided(
-        &mut self,
-        (query, frame): (&Query, &RayFrame),
-        leaves: impl Iterator<Item = u32>,
-        limit: f64,
-        wanted: Wanted,
-    ) {
-        let bvh = self.bvh;
-        let all_hits = wanted == Wanted::All;
-        let question = Question { all_hits, ..Question::new(&bvh.set, query, frame) };
-        self.findings.clear();
-        let passage = |leaf: u32| {
-            let oriented = bvh.tree.oriented(leaf);
-            let place = bvh.place(leaf, &oriented);
-            let passage = place.passage(frame, bvh.tree.frame_of(leaf), limit)?;
-            Some((passage, leaf, oriented))
-        };
-        let mut met: Vec<(Passage, u32, OrientedBox)> = leaves.filter_map(passage).collect();
-        met.sort_unstable_by(|a, b| a.0.entry.total_cmp(&b.0.entry).then(a.1.cmp(&b.1)));
-        let mut limit = limit;
-        for (passage, index, oriented) in met {
-            let place = bvh.place(index, &oriented);
-            let slack = place.piece.patch.error_bound(frame.magnitude);
-            if passage.entry > limit + slack {
-                continue;
-            }
-            let before = self.findings.meetings.len();
-            leaf_search::search(&question, &place, &passage, limit + slack, &mut self.findings);
-            for meeting in &self.findings.meetings[before..] {
-                match wanted {
-                    // Up to the nearest meeting, plus its error bound.
-                    Wanted::First => {
-                        limit = limit.min((meeting.t + meeting.t_error) / frame.t_from_z);
-                    }
-                    Wanted::Any if meeting.is_certain() => return,
-                    Wanted::Any | Wanted::All => {}
-                }
-            }
-        }
-    }
-}
-
-impl Tracer<'_> {
     /// Runs the scalar search on the leaves that the search of a single ray could not decide: see
     /// [`search_undecided`](Self::search_undecided).
     fn search_undecided_of_single(&mut self, ray: (&Query, &RayFrame), limit: f64, wanted: Wanted) {
@@ -147,8 +95,9 @@ impl Tracer<'_> {
 }
 
 #[simd]
-fn first_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, shot: OneShot<'_>) -> Answer {
-    let frame = search(simd, tracer, (shot.ray, shot.start_in(&tracer.bvh.set)), Wanted::First);
+fn trace_first<S: Simd>(simd: S, tracer: &mut Tracer<'_>, shot: OneShot<'_>) -> Answer {
+    let frame =
+        fast_search(simd, tracer, (shot.ray, shot.start_in(&tracer.bvh.set)), Wanted::First);
     if !tracer.single.undecided.is_empty() {
         return tracer.with_scalar_search(&shot.query(), &frame);
     }
@@ -157,7 +106,7 @@ fn first_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, shot: OneShot<'_>) -> An
 }
 
 #[simd]
-fn any_hits<S: Simd, Q: Shot>(
+fn trace_any_each<S: Simd, Q: Shot>(
     simd: S,
     tracer: &mut Tracer<'_>,
     shots: &[Q],
@@ -165,18 +114,18 @@ fn any_hits<S: Simd, Q: Shot>(
 ) {
     answers.reserve(shots.len());
     for shot in shots {
-        answers.push(any_hit(simd, tracer, OneShot::of(shot)));
+        answers.push(trace_any(simd, tracer, OneShot::of(shot)));
     }
 }
 
 #[simd]
-fn any_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, shot: OneShot<'_>) -> Occlusion {
+fn trace_any<S: Simd>(simd: S, tracer: &mut Tracer<'_>, shot: OneShot<'_>) -> Occlusion {
     if tracer.is_beyond_f32(shot.ray) {
         return tracer.scalar_any(&shot.query());
     }
     // Unlike for first hits, nobody asks first whether the ray passes beside everything: most of
     // these rays start on a surface.
-    let frame = search(simd, tracer, (shot.ray, shot.start_in(&tracer.bvh.set)), Wanted::Any);
+    let frame = fast_search(simd, tracer, (shot.ray, shot.start_in(&tracer.bvh.set)), Wanted::Any);
     if tracer.single.hit().is_some() {
         return Occlusion { occluded: true, doubtful: false };
     }
@@ -189,7 +138,7 @@ fn any_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, shot: OneShot<'_>) -> Occl
 
 /// Runs the fast search; also makes the ray's frame, and returns it for later use.
 #[simd]
-fn search<S: Simd>(
+fn fast_search<S: Simd>(
     simd: S,
     tracer: &mut Tracer<'_>,
     (ray, from): (&Ray, Option<&Root>),

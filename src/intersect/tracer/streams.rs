@@ -6,7 +6,8 @@ use fearless_simd_macros::simd;
 use super::singles::Certain;
 use crate::intersect::level::{Level, dispatch};
 use crate::intersect::query::OneShot;
-use crate::intersect::wide::{FLIGHTS, Wanted, trace_stream};
+use crate::intersect::wanted::Wanted;
+use crate::intersect::wide::{FLIGHTS, trace_stream};
 use crate::intersect::{Answer, Occlusion, Shot, Tracer};
 
 impl Tracer<'_> {

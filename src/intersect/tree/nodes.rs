@@ -10,6 +10,8 @@ pub(crate) const LANES: usize = 16;
 const _: () = assert!(MOST_TOGETHER <= LANES, "leaves that are kept together fit into a block");
 
 /// The highest two bits of a [`ChildCode`] say what its index counts.
+const KIND: u32 = 3 << 30;
+const INDEX: u32 = !KIND;
 const NODE: u32 = 0;
 const REGION: u32 = 1 << 30;
 const BLOCK: u32 = 2 << 30;
@@ -45,30 +47,30 @@ impl ChildCode {
             Child::Region(index, Way::In) => (index, REGION),
             Child::Region(index, Way::Back) => (index, BACK),
         };
-        debug_assert!(index < REGION, "there are not so many parts");
+        debug_assert!(index <= INDEX, "there are not so many parts");
         Self(index | what)
     }
 
     /// The number of the node, block or region.
     #[inline(always)]
     pub(crate) fn index(self) -> u32 {
-        self.0 & (REGION - 1)
+        self.0 & INDEX
     }
 
     #[inline(always)]
     pub(crate) fn is_node(self) -> bool {
-        self.0 & BACK == NODE
+        self.0 & KIND == NODE
     }
 
     #[inline(always)]
     pub(crate) fn is_block(self) -> bool {
-        self.0 & BACK == BLOCK
+        self.0 & KIND == BLOCK
     }
 
     #[inline(always)]
     pub(crate) fn child(self) -> Child {
         let index = self.index();
-        match self.0 & BACK {
+        match self.0 & KIND {
             NODE => Child::Node(index),
             BLOCK => Child::Block(index),
             REGION => Child::Region(index, Way::In),

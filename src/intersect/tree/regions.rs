@@ -72,6 +72,7 @@ pub(crate) fn tree_over(
             if frame_inside.scale < GAIN * frame.scale {
                 continue;
             }
+            // Regions are numbered in the order of the queue.
             inner.insert(node, index + 1 + waiting.len() as u32);
             let groups =
                 inside.chunk_by(|&a, &b| group_of(a, &group_ends) == group_of(b, &group_ends));

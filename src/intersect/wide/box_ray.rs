@@ -122,10 +122,10 @@ impl BoxRay {
 
     /// The slab test of sixteen oriented boxes.
     #[simd]
-    pub(super) fn cross<S: Simd>(&self, simd: S, block: &LeafBlock, crossings: &mut Crossings) {
+    pub(super) fn pass<S: Simd>(&self, simd: S, block: &LeafBlock, passages: &mut Passages) {
         let one = f32x16::splat(simd, 1.0);
         let slabs = Slabs::new(simd, block, self.origin, self.axis);
-        crossings.met = slabs.met(simd, [self.near, self.far]);
+        passages.met = slabs.met(simd, [self.near, self.far]);
 
         // Where the middle plane is crossed, if inside the box. What is known of the ray's end must
         // not influence this: the start would depend on what was searched before.
@@ -133,11 +133,11 @@ impl BoxRay {
         let z = (-at[2] * last_inverse).max(entry).min(exit);
         let x = z.mul_add(along[0], at[0]).max(-one).min(one);
         let y = z.mul_add(along[1], at[1]).max(-one).min(one);
-        entry.store_slice(&mut crossings.entry);
-        x.store_slice(&mut crossings.x);
-        y.store_slice(&mut crossings.y);
+        entry.store_slice(&mut passages.entry);
+        x.store_slice(&mut passages.x);
+        y.store_slice(&mut passages.y);
         for k in 0..3 {
-            along[k].store_slice(&mut crossings.slopes[k]);
+            along[k].store_slice(&mut passages.slopes[k]);
         }
     }
 }
@@ -281,7 +281,7 @@ pub(super) fn push_in_order<S: Simd, T: Copy + Default>(
 /// middles, and its slopes.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(super) struct Crossings {
+pub(super) struct Passages {
     pub(super) met: u32,
     pub(super) entry: [f32; LANES],
     pub(super) x: [f32; LANES],
@@ -290,7 +290,7 @@ pub(super) struct Crossings {
     pub(super) slopes: [[f32; LANES]; 3],
 }
 
-impl Crossings {
+impl Passages {
     /// No box.
     pub(super) const NONE: Self = Self {
         met: 0,

@@ -27,7 +27,7 @@ pub(super) fn shift_to_scene(square: f64, along: f64) -> f64 {
 
 /// Eight rays in f64.
 #[derive(Clone, Copy)]
-pub(super) struct Frames<S: Simd> {
+pub(super) struct EightRays<S: Simd> {
     pub(super) origin: [f64x8<S>; 3],
     /// The unit directions.
     pub(super) axis: [f64x8<S>; 3],
@@ -39,7 +39,7 @@ pub(super) struct Frames<S: Simd> {
     pub(super) magnitude: f64x8<S>,
 }
 
-impl<S: Simd> Frames<S> {
+impl<S: Simd> EightRays<S> {
     /// The frames of the eight rays from `base` on; the first of all stands in for missing ones.
     #[inline(always)]
     pub(super) fn of<Q: Shot>(simd: S, shots: &[Q], base: usize) -> Self {
@@ -98,7 +98,7 @@ pub(super) fn perpendicular<S: Simd>(simd: S, [x, y, z]: [f64x8<S>; 3]) -> [[f64
 
 /// Sixteen rays in scaled coordinates, in f32.
 #[derive(Clone, Copy)]
-pub(super) struct Narrow<S: Simd> {
+pub(super) struct ScaledSixteen<S: Simd> {
     /// The origins, moved along the rays by `shift`.
     pub(super) origin: [f32x16<S>; 3],
     pub(super) axis: [f32x16<S>; 3],
@@ -109,13 +109,13 @@ pub(super) struct Narrow<S: Simd> {
     pub(super) shift: [f64x8<S>; 2],
 }
 
-impl<S: Simd> Narrow<S> {
+impl<S: Simd> ScaledSixteen<S> {
     /// The f32 coordinates of sixteen rays.
     #[inline(always)]
     pub(super) fn new(
         simd: S,
-        low: &Frames<S>,
-        high: &Frames<S>,
+        low: &EightRays<S>,
+        high: &EightRays<S>,
         &ScaledFrame { center, scale }: &ScaledFrame,
     ) -> Self {
         let unscale = f64x8::splat(simd, 1.0 / scale); // exact, as the scale is a power of two
@@ -125,7 +125,7 @@ impl<S: Simd> Narrow<S> {
         let mut ends = [[zero; 2]; 2];
         let mut shifts = [zero; 2];
         for half in 0..2 {
-            let &Frames { origin: o, axis, ends: z, .. } = if half == 0 { low } else { high };
+            let &EightRays { origin: o, axis, ends: z, .. } = if half == 0 { low } else { high };
             let scaled = [
                 (o[0] - f64x8::splat(simd, center.x)) * scale,
                 (o[1] - f64x8::splat(simd, center.y)) * scale,
@@ -224,10 +224,10 @@ mod tests {
             });
             for level in Kernel::ALL.iter().filter_map(|kernel| kernel.level()) {
                 let found: [_; 8] = dispatch!(level, simd => {
-                    let frames = Frames::new(simd, rays.each_ref());
+                    let frames = EightRays::new(simd, rays.each_ref());
                     let [n1, n2] = perpendicular(simd, frames.axis);
                     let vectors = [frames.origin, frames.axis, n1, n2];
-                    let Frames { t_from_z, ends: [from, to], magnitude, .. } = frames;
+                    let EightRays { t_from_z, ends: [from, to], magnitude, .. } = frames;
                     let numbers = [t_from_z, from, to, magnitude];
                     from_fn(|lane| {
                         let bits = |lanes: f64x8<_>| lanes[lane].to_bits();

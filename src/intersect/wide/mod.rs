@@ -20,6 +20,25 @@
 //! The result for a ray and a leaf is computed lane by lane, so it does not depend on the other
 //! rays.
 //!
+//! # Names
+//! A leaf and a ray are called by what of them has been read so far, and by how many are searched
+//! together:
+//!
+//! | leaves | |
+//! |---|---|
+//! | `BlockLeaf`, `Target`, `Opened` | of packets: only its box, with its piece, and with numbers that a search needs |
+//! | `Fitted` | with its weight, for the search in f32 |
+//! | `TrueLeaf`, `NetLeaf` | with its net, for f64: of packets, and of single rays |
+//! | `OneLeaf`, `EightLeaves` | for eight rays in f64: of packets one leaf, of streams one each |
+//! | `PlacedLeaf` | for the scalar search |
+//!
+//! | rays | |
+//! |---|---|
+//! | `SingleRay`, `Flight` | a ray traced by itself, and one of a stream |
+//! | `BoxRay` | a ray in f32, for boxes |
+//! | `LaneRays`, `ScaledRays` | those of a packet, in f64 and in f32 |
+//! | `EightRays`, `ScaledSixteen` | some of these, in lanes |
+//!
 //! # Where things are
 //! The ways share, in reading order:
 //!
@@ -41,7 +60,7 @@
 //! |---|---|---|---|
 //! | rays | `read_ahead`, `outline`, `load`, `rays` | `ray` | `traverse` |
 //! | the tree | `traverse`, `shared_bounds`, `apart` | `traverse` | `traverse` |
-//! | a leaf: box, certificate | `leaf`, `box_crossing` | `traverse` | `traverse` |
+//! | a leaf: box, certificate | `leaf`, `box_passage` | `traverse` | `traverse` |
 //! | its start in f32 | `leaf` by `search::distances`, `screening` | by `search::one_ray` | `pairs` |
 //! | a proof of its own | `doubts`, by `proof::lanes` | by `proof::one_ray` | by either |
 //! | the end in f64 | `target`, `finish` | `jet`, `finish` | `finish` |
@@ -70,13 +89,12 @@ pub(super) use hit_place::HitPlace;
 pub(super) use packet::hits::LaneHit;
 pub(super) use packet::rays::Packet;
 pub(super) use packet::read_ahead::{Ahead, Moment, ReadAhead};
-pub(super) use packet::traverse::trace;
-pub(super) use packet::work::Work;
+pub(super) use packet::traverse::trace_packet;
+pub(super) use packet::work::PacketWork;
 pub(super) use single::ray::{SingleHit, SingleRay};
 pub(super) use single::traverse::{SingleWork, trace_single};
 pub(super) use stream::traverse::{FLIGHTS, Stream, trace_stream};
 pub(super) use view::BvhView;
-pub(super) use wanted::Wanted;
 
 /// Rays in a packet: a square of 8 × 8 pixels.
 pub(super) const PACKET: usize = 64;

@@ -8,7 +8,7 @@ use super::hit_place::HitPlace;
 use super::vectors::lane_bits;
 use super::view::BvhView;
 use crate::geometry::trim::{self, Side, WINDOW_REACH, WINDOW_SPARE, WindowCurve};
-use crate::intersect::roots::borders::{TRIM_REACH, TRIM_SPARE, trim_reach};
+use crate::intersect::roots::reach::{TRIM_REACH, TRIM_SPARE, trim_reach};
 use crate::patch::{FIT_DOMAIN, Leaf, WIDENING};
 
 /// How near a trim edge must be, in either parameter, in units of the error times an upper bound of

@@ -1,19 +1,7 @@
-//! What rays ask for.
+//! How far along a ray anything matters, in f32.
 
 use super::frames::END_SPARE;
-
-/// What a ray asks for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Wanted {
-    /// Its first hit.
-    #[default]
-    First,
-    /// Any hit.
-    Any,
-    /// All hits: those of a single ray that are certified, and the leaves where there may be
-    /// others.
-    All,
-}
+use crate::intersect::wanted::Wanted;
 
 impl Wanted {
     /// How far along a ray, in scaled coordinates, anything matters once the ray has a hit at `z`,

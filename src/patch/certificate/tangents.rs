@@ -16,8 +16,8 @@ pub(super) struct TangentBounds {
     /// The ranges of `g |a₀| / |a₀ × b₀|` and `h |b₀| / |a₀ × b₀|`; at a pole, symmetric about
     /// zero.
     pub(super) turning: [Interval; 2],
-    /// See [`Certificate::bend`](crate::patch::Certificate::bend).
-    pub(super) bend: [[f64; 2]; 2],
+    /// See [`Certificate::tilts`](crate::patch::Certificate::tilts).
+    pub(super) tilts: [[f64; 2]; 2],
     /// A point `ε` off the ray is within `ε·spread / cos θ` of the root, in sides of the leaf.
     pub(super) spread: f64,
     /// At a pole: the parameter along the collapsed side errs by at most
@@ -42,8 +42,8 @@ const FAR: f64 = 0.4;
 const MOST_MULTIPLIED: usize = 36;
 const _: () = assert!(MOST_MULTIPLIED - 2 <= MAX_DEGREE + 3, "degree 1 × 17 needs binomials of 34");
 
-/// Larger bends prove nothing: the f32 rounding of the axes may matter there.
-const MOST_BEND: f64 = 1e3;
+/// Larger tilts prove nothing: the f32 rounding of the axes may matter there.
+const MOST_TILT: f64 = 1e3;
 
 impl TangentBounds {
     /// The proof for the net over the widened rectangle, in the frame of the leaf's axes; `None`
@@ -59,14 +59,14 @@ impl TangentBounds {
                 let spacing = side.along().pair(in_s, in_t);
                 let net = Net { degree, control: &control, spacing, ..*net };
                 match side {
-                    RectSide::FirstV => pole_proof(&net, [a, b]),
-                    RectSide::LastV => pole_proof(&net, [a, -b]),
+                    RectSide::FirstV => pole_bounds(&net, [a, b]),
+                    RectSide::LastV => pole_bounds(&net, [a, -b]),
                     RectSide::FirstU | RectSide::LastU => {
                         let a = if side.is_last() { -a } else { a };
-                        let mut proof = pole_proof(&net, [b, a])?;
-                        proof.turning.reverse();
-                        proof.bend.reverse();
-                        Some(proof)
+                        let mut bounds = pole_bounds(&net, [b, a])?;
+                        bounds.turning.reverse();
+                        bounds.tilts.reverse();
+                        Some(bounds)
                     }
                 }
             }
@@ -97,16 +97,16 @@ fn regular_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
     let field = net.recentered(net.middle());
     if net.rational && field.values.len() <= MOST_MULTIPLIED {
         let along = [0, 1].map(|which| field.quotients_slope(which));
-        return Tangents::of_quotient(net, &field, &along)?.proof(&field, false, axes);
+        return Tangents::of_quotient(net, &field, &along)?.bounds(&field, false, axes);
     }
     let (along_s, along_t) = (field.derivative_s(), field.derivative_t());
     let offsets = net.rational.then(|| field.offsets());
     let factors = [offsets.as_ref(); 2];
-    Tangents::new(net, &field, [&along_s, &along_t], factors)?.proof(&field, false, axes)
+    Tangents::new(net, &field, [&along_s, &along_t], factors)?.bounds(&field, false, axes)
 }
 
 /// The same for a net whose side `t = 0` is collapsed to a point.
-fn pole_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
+fn pole_bounds(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
     let pole = euclidean(net.control[0]);
     let field = net.recentered(pole);
     let (along_s, along_t) = (field.derivative_s(), field.derivative_t());
@@ -128,7 +128,7 @@ fn pole_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
     let scaled_along_s = over_t.derivative_s();
     tangents.along[0] = &scaled_along_s;
     tangents.noise *= net.degree[1] as f64;
-    tangents.proof(&field, true, axes)
+    tangents.bounds(&field, true, axes)
 }
 
 impl<'a> Tangents<'a> {
@@ -219,26 +219,27 @@ impl<'a> Tangents<'a> {
         let (a, b) = (self.turns(0, dual)?, self.turns(1, dual)?);
         // A step in `s` is judged by the turns of `b`, one in `t` by those of `a`.
         let [length_a, length_b] = lengths;
-        let bend = [
+        let tilts = [
             [b.other.magnitude() * length_a / length_b, b.normal.magnitude() / length_b],
             [a.other.magnitude() * length_b / length_a, a.normal.magnitude() / length_a],
         ];
-        let bend = bend
-            .map(|bend| if bend[0].max(bend[1]) < MOST_BEND { bend } else { [f64::INFINITY; 2] });
+        let known =
+            |[a, b]: [f64; 2]| if a.max(b) < MOST_TILT { [a, b] } else { [f64::INFINITY; 2] };
+        let tilts = tilts.map(known);
         let m = Interval::point(1.0) - a.other * b.other;
         let independent = m.lo > 0.0; // false for NaN
         if !independent {
-            return Some(Turning { bend, ..Turning::UNKNOWN });
+            return Some(Turning { tilts, ..Turning::UNKNOWN });
         }
         let over_m = |interval: Interval| over_positive_to_nearest(interval, m).outward();
         let g = over_m(b.normal - a.normal * b.other);
         let h = over_m(a.other * b.normal - a.normal);
-        Some(Turning { across: [g, h], least: m.lo * a.least * b.least, bend })
+        Some(Turning { across: [g, h], least: m.lo * a.least * b.least, tilts })
     }
 
     /// What is proved about `field`, whose derivatives these are, in the frame of `a₀` and `b₀`;
     /// `at_pole` says whether the field ends in a pole.
-    fn proof(&self, field: &Field, at_pole: bool, [a0, b0]: [DVec3; 2]) -> Option<TangentBounds> {
+    fn bounds(&self, field: &Field, at_pole: bool, [a0, b0]: [DVec3; 2]) -> Option<TangentBounds> {
         let cross = a0.cross(b0);
         let area = cross.length();
         let regular = area > 0.0 && area.is_finite();
@@ -291,9 +292,9 @@ impl<'a> Tangents<'a> {
         } else {
             (longest_s.max(longest_t) * self.weights.hi / determinant, 0.0)
         };
-        let proof = TangentBounds { turning, bend: known.bend, spread, pole_spread };
+        let bounds = TangentBounds { turning, tilts: known.tilts, spread, pole_spread };
         let most = MARGIN * turning.map(Interval::magnitude).iter().sum::<f64>();
-        (most <= MOST_TURNING && spread.is_finite()).then_some(proof)
+        (most <= MOST_TURNING && spread.is_finite()).then_some(bounds)
     }
 }
 
@@ -313,14 +314,14 @@ struct Turning {
     /// A lower bound of `|n·(ā × b̄)|` in units of `|a₀ × b₀|`.
     least: f64,
     /// As in [`TangentBounds`].
-    bend: [[f64; 2]; 2],
+    tilts: [[f64; 2]; 2],
 }
 
 impl Turning {
     const UNKNOWN: Self = Self {
         across: [Interval { lo: f64::NEG_INFINITY, hi: f64::INFINITY }; 2],
         least: 0.0,
-        bend: [[f64::INFINITY; 2]; 2],
+        tilts: [[f64::INFINITY; 2]; 2],
     };
 }
 
@@ -429,7 +430,7 @@ mod tests {
             let net = Net { degree, control: &control, noise, rational, spacing: [1e-16; 2] };
             let [a, b] = patch.chords([[0.0, 1.0]; 2]);
             let axes = Axes::along([a + shears[0] * b, b + shears[1] * a]);
-            let Some(proof) = TangentBounds::new(&net, None, &axes) else { return Ok(()) };
+            let Some(bounds) = TangentBounds::new(&net, None, &axes) else { return Ok(()) };
             let [a, b, _] = axes.axes;
             let normal = a.cross(b).normalize();
             let across = [a, b].map(|v| v.cross(normal).normalize());
@@ -440,7 +441,7 @@ mod tests {
                 }
                 let [mut reach, mut steep] = [0.0, normal.dot(chord)];
                 for k in 0..2 {
-                    let Interval { lo, hi } = proof.turning[k];
+                    let Interval { lo, hi } = bounds.turning[k];
                     let x = chord.dot(across[k]);
                     steep += 0.5 * (lo + hi) * x;
                     reach += MARGIN * 0.5 * (hi - lo) * x.abs();

@@ -2,11 +2,10 @@
 
 use glam::{DMat2, DVec2};
 
-use super::{
-    AT_POLE, END, END_BUDGET, EndBox, ExactSolver, FINEST_SIDE, Problem, Proof, STRETCH, Solution,
-};
+use super::{AT_POLE, END, END_BUDGET, EndBox, ExactSolver, FINEST_SIDE, STRETCH};
 use super::{halves, inner, linearised};
 use crate::intersect::exact::contact::{self, Contact};
+use crate::intersect::exact::problem::{Evidence, Problem, Solution};
 use crate::patch::{StRect, holds};
 
 impl ExactSolver {
@@ -82,7 +81,7 @@ impl ExactSolver {
     ) {
         self.net.restrict_from(&self.whole, rect);
         let bounds = self.net.bounds();
-        if self.is_empty(problem, rect, &bounds, self.error) {
+        if self.is_empty(problem, rect, &bounds) {
             return;
         }
         let exhausted = rect.map(|[from, to]| to - from <= FINEST_SIDE);
@@ -100,11 +99,11 @@ impl ExactSolver {
     pub(super) fn report(&mut self, problem: &Problem<'_>, solutions: &mut Vec<Solution>) {
         let first = solutions.len();
         for &solution in &self.isolated {
-            let Proof::Isolated(rect) = solution.proof else { continue };
+            let Evidence::Isolated(rect) = solution.evidence else { continue };
             // One root found twice lies in both boxes. Of two roots near each other, rounding may
             // put one into the other's box.
-            let known = solutions[first..].iter().any(|other| match other.proof {
-                Proof::Isolated(its) => holds(rect, other.st) && holds(its, solution.st),
+            let known = solutions[first..].iter().any(|other| match other.evidence {
+                Evidence::Isolated(its) => holds(rect, other.st) && holds(its, solution.st),
                 _ => false,
             });
             if !known {
@@ -113,22 +112,22 @@ impl ExactSolver {
         }
         let contacts = std::mem::take(&mut self.contacts);
         for contact in &contacts {
-            let ends = contact.places().map(|x| inner(problem.rect, x));
             let [[s0, s1], [t0, t1]] = contact.rect;
             let corners = [[s0, t0], [s1, t1]].map(|x| inner(problem.rect, x.into()));
-            let proved = self.isolated.iter().any(|root| match root.proof {
-                Proof::Isolated(rect) => corners.iter().all(|&st| holds(rect, st)),
+            let proved = self.isolated.iter().any(|root| match root.evidence {
+                Evidence::Isolated(rect) => corners.iter().all(|&st| holds(rect, st)),
                 _ => false,
             });
-            let length = contact.z[1] - contact.z[0];
             if proved {
                 continue; // the box's only root, seen again from its edge: all of it lies in the box
             }
-            if length > STRETCH * self.size {
-                let proof = Proof::Stretch(contact.z);
-                solutions.extend(self.ends_of(problem, contact).map(|st| Solution { st, proof }));
+            if contact.z[1] - contact.z[0] > STRETCH * self.size {
+                let evidence = Evidence::Stretch(contact.z);
+                solutions
+                    .extend(self.ends_of(problem, contact).map(|st| Solution { st, evidence }));
                 continue;
             }
+            let ends = contact.places().map(|x| inner(problem.rect, x));
             let middle = 0.5 * (ends[0] + ends[1]);
             // Boxes at a pole may hold, to within rounding, only a line through it: the ray may
             // pass that line away from the pole.
@@ -137,8 +136,11 @@ impl ExactSolver {
             let pole =
                 pole.filter(|&st| linearised(problem, st).1.length() <= AT_POLE * problem.error);
             solutions.push(match pole {
-                Some(st) => Solution { st, proof: Proof::Collapsed },
-                None => Solution { st: settled(problem, middle), proof: Proof::Contact(contact.z) },
+                Some(st) => Solution { st, evidence: Evidence::Collapsed },
+                None => Solution {
+                    st: settled(problem, middle),
+                    evidence: Evidence::Contact(contact.z),
+                },
             });
         }
         self.contacts = contacts;

@@ -8,7 +8,7 @@
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, mask32x16};
 use fearless_simd_macros::simd;
 
-use super::box_crossing::BoxCrossing;
+use super::box_passage::BoxPassage;
 use super::rays::Packet;
 use super::screening::Asked;
 use super::target::Target;
@@ -101,10 +101,10 @@ impl Doubts {
         simd: S,
         target: &Target<'_>,
         packet: &Packet,
-        crossing: &BoxCrossing<S>,
+        passage: &BoxPassage<S>,
         Asked { lanes, error }: Asked<S>,
     ) -> u32 {
-        let BoxCrossing { base, entry, .. } = *crossing;
+        let BoxPassage { base, entry, .. } = *passage;
         let leaf = target.leaf;
         let (fitted, rays) = (target.fitted(), packet.sixteen(base));
         let middle = middle_distances(simd, leaf, rays);
@@ -186,7 +186,7 @@ mod tests {
     use super::*;
     use crate::geometry::shapes;
     use crate::intersect::level::dispatch;
-    use crate::intersect::wide::packet::box_crossing::cross_box;
+    use crate::intersect::wide::packet::box_passage::pass_box;
     use crate::intersect::wide::packet::load::{find_planes, load};
     use crate::intersect::wide::weighted_hills;
     use crate::intersect::{Kernel, Query, SurfaceBvh};
@@ -218,12 +218,12 @@ mod tests {
                 for (index, lanes) in leaves {
                     let oriented = view.tree.oriented(index);
                     let target = Target::new(&view, &oriented, index);
-                    let crossing = cross_box(simd, &oriented, &packet.scaled, 0);
+                    let passage = pass_box(simd, &oriented, &packet.scaled, 0);
                     let error = f32x16::splat(simd, 1e-6);
                     let mut distances = LaneDistances::default();
                     distances.take(simd, target.fitted(), packet.sixteen(0));
                     let asked = Asked { lanes, error };
-                    let left = doubts.put(simd, &target, &packet, &crossing, asked);
+                    let left = doubts.put(simd, &target, &packet, &passage, asked);
                     assert_eq!(left, 0);
                     expected.extend(set_bits(lanes).map(|lane| (lane, index, distances.clone())));
                 }

@@ -4,17 +4,18 @@ use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, f64x8, mask32x8, m
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
+use super::one_leaf::{OneLeaf, TrueLeaf, Uniqueness};
 use super::rays::Packet;
-use super::target::{Closer, Ground, Ground8, Target, TrueLeaf};
+use super::target::{LeafNumbers, Target};
 use crate::geometry::RectSide;
 use crate::geometry::trim::Side;
 use crate::intersect::tree::nodes::LANES;
+use crate::intersect::wanted::Wanted;
 use crate::intersect::wide::nearest::comes_first;
 use crate::intersect::wide::search::distances::widened;
 use crate::intersect::wide::search::newton::{Converged, Ends, Rays, Verdict, newton};
 use crate::intersect::wide::trimmed::{Places, kept_in_window};
 use crate::intersect::wide::vectors::{Lanes3, dot_d, load3d};
-use crate::intersect::wide::wanted::Wanted;
 use crate::intersect::wide::{PACKET, trimmed};
 use crate::math::bits::{half_of_sixteen, has, set_bits};
 use crate::patch::Piece;
@@ -48,7 +49,7 @@ pub(super) fn finish_all<S: Simd>(
     packet: &mut Packet,
     base: usize,
     lanes: u32,
-    ground: &Ground<S>,
+    unique: &Uniqueness<S>,
     near: &[f32x16<S>; 2],
 ) -> Done {
     let mut all = Done::default();
@@ -59,7 +60,7 @@ pub(super) fn finish_all<S: Simd>(
         }
         let wanted = mask64x8::from_bitmask(simd, wanted);
         let (base, near) = (base + 8 * half, [widened(near[0], half), widened(near[1], half)]);
-        let done = finish(simd, leaf, packet, base, wanted, ground, &near);
+        let done = finish(simd, leaf, packet, base, wanted, unique, &near);
         all.unconverged |= done.unconverged << (8 * half);
         all.undecided |= done.undecided << (8 * half);
         all.at_edge |= done.at_edge << (8 * half);
@@ -73,7 +74,7 @@ pub(super) fn finish_all<S: Simd>(
 /// places `near` that the search in f32 has found; hits nearer than those known are put into the
 /// packet.
 ///
-/// Each of these rays has at most one root in the domain that `ground` gives. Also returns the
+/// Each of these rays has at most one root in the domain that `unique` gives. Also returns the
 /// lanes that did not converge, and those that the scalar search must judge: whose hit lies outside
 /// the piece, or too near an end of the ray or the root it starts on.
 #[simd]
@@ -83,16 +84,16 @@ pub(super) fn finish<S: Simd>(
     packet: &mut Packet,
     base: usize,
     wanted: mask64x8<S>,
-    ground: &Ground<S>,
+    unique: &Uniqueness<S>,
     near: &[f64x8<S>; 2],
 ) -> Done {
-    let TrueLeaf { target, closer, .. } = leaf;
-    let (certified, domain) = match ground {
-        Ground::Certificate => (true, target.certified(simd)),
-        Ground::Own(rect) => (false, target.parameters(simd, rect, base % LANES / 8)),
+    let TrueLeaf { target, numbers, .. } = leaf;
+    let (certified, domain) = match unique {
+        Uniqueness::Certificate => (true, target.certified(simd)),
+        Uniqueness::Own(rect) => (false, target.parameters(simd, rect, base % LANES / 8)),
     };
-    let leaves = Ground8 { on: leaf, domain, certified, normals: packet.wanted != Wanted::Any };
-    let rays = PacketRays::new(simd, packet, base, closer.residual_factor, closer.magnitude);
+    let leaves = OneLeaf { on: leaf, domain, certified, normals: packet.wanted != Wanted::Any };
+    let rays = PacketRays::new(simd, packet, base, numbers.residual_factor, numbers.magnitude);
     let error = rays.error();
     let mut near_pole = simd.splat_mask64x8(false);
     if let (Some(pole), true) = (target.pole, certified) {
@@ -127,7 +128,7 @@ pub(super) fn finish<S: Simd>(
         let from = z - near_end;
         let asked = acceptable & from.simd_le(best);
         let reach = f64x8::splat(simd, trimmed::EDGE_REACH) * z_error * speed / size;
-        let [kept, decided] = kept_by_trims(simd, target, closer, asked | at_end, &root.st, reach);
+        let [kept, decided] = kept_by_trims(simd, target, numbers, asked | at_end, &root.st, reach);
         hit &= kept;
         undecided &= !(decided & !kept);
         at_edge = (asked & !decided).to_bitmask() as u32;
@@ -151,14 +152,14 @@ pub(super) fn finish<S: Simd>(
 #[inline(always)] // what goes in are dozens of vectors
 fn put_hits<S: Simd>(
     simd: S,
-    leaves: &Ground8<'_, S>,
+    leaves: &OneLeaf<'_, S>,
     packet: &mut Packet,
     base: usize,
     hit: mask64x8<S>,
     &Converged { st: [root_s, root_t], z, point, cross, speed, .. }: &Converged<S>,
     &Verdict { size, z_error, .. }: &Verdict<S>,
 ) {
-    let TrueLeaf { target, closer, .. } = leaves.on;
+    let TrueLeaf { target, numbers, .. } = leaves.on;
     let high = f64x8::splat(simd, 1.0);
     let t_from_z = f64x8::from_slice(simd, &packet.rays.t_from_z[base..base + 8]);
     let ray_t = z * t_from_z;
@@ -172,7 +173,7 @@ fn put_hits<S: Simd>(
         let least = f64x8::splat(simd, LEAST_SINE) * speed * speed;
         close |= !size.simd_gt(least) | simd.splat_mask64x8(!leaves.certified);
     }
-    if closer.has_near_sides {
+    if numbers.has_near_sides {
         let distances = [root_s, high - root_s, root_t, high - root_t];
         for side in RectSide::ALL {
             close |= distances[side].simd_le(f64x8::splat(simd, target.near_side(side)));
@@ -272,7 +273,7 @@ fn eight<S: Simd>(simd: S, lanes: &[f64; PACKET], base: usize) -> f64x8<S> {
 fn kept_by_trims<S: Simd>(
     simd: S,
     target: &Target<'_>,
-    closer: &Closer,
+    numbers: &LeafNumbers,
     asked: mask64x8<S>,
     st: &[f64x8<S>; 2],
     reach: f64x8<S>,
@@ -281,10 +282,10 @@ fn kept_by_trims<S: Simd>(
     // The same eight twice; the bits of the second half mean nothing.
     let narrow = |lanes: f64x8<S>| simd.narrow_f64x8(lanes, lanes);
     let at = |k: usize| {
-        let (middle, per_half) = (closer.middle[k], closer.per_half[k]);
+        let (middle, per_half) = (numbers.middle[k], numbers.per_half[k]);
         narrow((st[k] - f64x8::splat(simd, middle)) * f64x8::splat(simd, per_half))
     };
-    let in_box = |k: usize| narrow(reach * f64x8::splat(simd, closer.per_half[k]));
+    let in_box = |k: usize| narrow(reach * f64x8::splat(simd, numbers.per_half[k]));
     let places = Places { at: [at(0), at(1)], reach: [in_box(0), in_box(1)] };
     let asked = asked.to_bitmask();
     let [kept, decided] = kept_in_window(simd, window, &places, asked as u32).map(u64::from);

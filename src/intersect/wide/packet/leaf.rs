@@ -5,16 +5,18 @@ use std::cell::OnceCell;
 use fearless_simd::{Simd, SimdBase, f32x16};
 use fearless_simd_macros::simd;
 
-use super::box_crossing::{BoxCrossing, cross_box};
+use super::box_passage::{BoxPassage, pass_box};
 use super::finish::{Done, away_from_pole, finish_all};
 use super::load::{farthest, find_planes};
+use super::one_leaf::{TrueLeaf, Uniqueness};
 use super::rays::Packet;
 use super::read_ahead::{Ahead, Moment};
 use super::screening::{Asked, Searched, screen};
 use super::settle::settle;
-use super::target::{Closer, Ground, Target, TrueLeaf};
-use super::work::{Undecided, Work};
+use super::target::{LeafNumbers, Target};
+use super::work::{PacketWork, Undecided};
 use crate::intersect::tree::nodes::LANES;
+use crate::intersect::wanted::Wanted;
 use crate::intersect::wide::PACKET;
 use crate::intersect::wide::proof::certified::certify;
 use crate::intersect::wide::proof::screen::Screened;
@@ -23,7 +25,6 @@ use crate::intersect::wide::search::distances::step_from_middle;
 use crate::intersect::wide::surface::sums::OneNet;
 use crate::intersect::wide::vectors::lane_bits;
 use crate::intersect::wide::view::BvhView;
-use crate::intersect::wide::wanted::Wanted;
 use crate::math::bits::set_bits;
 use crate::math::rounding;
 use crate::patch::OrientedBox;
@@ -40,7 +41,7 @@ pub(super) struct BlockLeaf {
 struct Opened<'a> {
     target: Target<'a>,
     /// Made when it is needed.
-    closer: OnceCell<Closer>,
+    numbers: OnceCell<LeafNumbers>,
 }
 
 /// Searches one leaf for the rays of the packet that may meet it, sixteen by sixteen.
@@ -51,7 +52,7 @@ pub(super) fn search_leaf<S: Simd, Q>(
     &BlockLeaf { index, ref oriented, mut groups }: &BlockLeaf,
     ahead: &mut Ahead<'_, Q>,
     packet: &mut Packet,
-    work: &mut Work,
+    work: &mut PacketWork,
 ) {
     // The boxes of most leaves are missed by most rays, so the leaf's data are only touched when
     // they are needed.
@@ -60,7 +61,7 @@ pub(super) fn search_leaf<S: Simd, Q>(
         find_planes(simd, packet);
     }
     // Not an option that is filled in the loop: the target would be made elsewhere, and copied.
-    let leaf = Opened { target: Target::new(view, oriented, index), closer: OnceCell::new() };
+    let leaf = Opened { target: Target::new(view, oriented, index), numbers: OnceCell::new() };
     let mut found = false;
     loop {
         found |= search_group(simd, &leaf, packet, &next, ahead, work);
@@ -83,34 +84,35 @@ fn next_group<S: Simd>(
     oriented: &OrientedBox,
     packet: &Packet,
     groups: &mut u32,
-) -> Option<BoxCrossing<S>> {
+) -> Option<BoxPassage<S>> {
     while *groups != 0 {
         let base = LANES * groups.trailing_zeros() as usize;
         *groups &= *groups - 1;
+        // With the least of both the compiler knows that all sixteen are there.
         if base >= packet.count.min(PACKET) {
             return None;
         }
-        let crossing = cross_box(simd, oriented, &packet.scaled, base);
-        if lane_bits(crossing.met) != 0 {
-            return Some(crossing);
+        let passage = pass_box(simd, oriented, &packet.scaled, base);
+        if lane_bits(passage.met) != 0 {
+            return Some(passage);
         }
     }
     None
 }
 
-/// Searches one leaf for the sixteen rays whose ways through its box are in `crossing`; returns
+/// Searches one leaf for the sixteen rays whose ways through its box are in `passage`; returns
 /// whether some ray's nearest hit is new.
 #[inline(always)]
 fn search_group<S: Simd, Q>(
     simd: S,
     leaf: &Opened<'_>,
     packet: &mut Packet,
-    crossing: &BoxCrossing<S>,
+    passage: &BoxPassage<S>,
     ahead: &mut Ahead<'_, Q>,
-    work: &mut Work,
+    work: &mut PacketWork,
 ) -> bool {
-    let (target, base) = (&leaf.target, crossing.base);
-    let met = lane_bits(crossing.met);
+    let (target, base) = (&leaf.target, passage.base);
+    let met = lane_bits(passage.met);
     let patch = &target.piece.patch;
     let factor = patch.residual_factor();
     work.statistics.leaf_tests += u64::from(met.count_ones());
@@ -118,7 +120,7 @@ fn search_group<S: Simd, Q>(
     // The certificate, lane by lane.
     let magnitude = f32x16::from_slice(simd, &packet.scaled.magnitude[base..base + LANES])
         .max(f32x16::splat(simd, rounding::f32_above(patch.magnitude())));
-    let certified = certify(simd, target.leaf, crossing.slopes, magnitude, factor);
+    let certified = certify(simd, target.leaf, passage.slopes, magnitude, factor);
     let mut certain = met & lane_bits(certified);
     let mut doubted = met & !certain;
     if packet.starts.exist {
@@ -134,13 +136,13 @@ fn search_group<S: Simd, Q>(
     let mut done = Done::default();
     if certain != 0 {
         let asked = Asked { lanes: certain, error };
-        done = search_certified(simd, leaf, packet, crossing, asked, ahead, work);
+        done = search_certified(simd, leaf, packet, passage, asked, ahead, work);
         doubted |= done.unconverged;
     }
     let mut undecided = done.undecided;
     if doubted != 0 {
         let asked = Asked { lanes: doubted, error };
-        undecided |= work.doubts.put(simd, target, packet, crossing, asked);
+        undecided |= work.doubts.put(simd, target, packet, passage, asked);
     }
     work.statistics.newton_iterations += u64::from(done.steps);
     work.leave(base, undecided, target.index);
@@ -157,20 +159,20 @@ fn search_certified<S: Simd, Q>(
     simd: S,
     leaf: &Opened<'_>,
     packet: &mut Packet,
-    crossing: &BoxCrossing<S>,
+    passage: &BoxPassage<S>,
     asked: Asked<S>,
     ahead: &mut Ahead<'_, Q>,
-    work: &mut Work,
+    work: &mut PacketWork,
 ) -> Done {
     let target = &leaf.target;
-    let (base, mut certain) = (crossing.base, asked.lanes);
+    let (base, mut certain) = (passage.base, asked.lanes);
     let mut found = false;
-    let start = [crossing.x, crossing.y];
+    let start = [passage.x, passage.y];
     let widened = f32x16::splat(simd, WIDENED as f32);
-    // In flat leaves it shows no more before the closer look in f64, but for rays that may need
-    // none.
-    let is_flat = target.leaf.is_flat();
-    let near = if !is_flat {
+    // On a parallelogram the search in f32 finds no better place than the one where the ray passes
+    // the middle of the box: it is left out, but for rays that its proofs may save from f64.
+    let is_parallelogram = target.leaf.is_parallelogram();
+    let near = if !is_parallelogram {
         work.distances.take(simd, target.fitted(), packet.sixteen(base));
         Some(work.distances.newton(simd, start, [[-widened, widened]; 2]))
     } else if packet.wanted == Wanted::Any {
@@ -179,9 +181,10 @@ fn search_certified<S: Simd, Q>(
         None
     };
     if let Some(near) = &near {
-        let middle = if is_flat { near.last.distances } else { work.distances.in_middle(simd) };
+        let middle =
+            if is_parallelogram { near.last.distances } else { work.distances.in_middle(simd) };
         let searched = Searched { middle, near };
-        let Screened { missed, met } = screen(simd, target, packet, crossing, searched, asked);
+        let Screened { missed, met } = screen(simd, target, packet, passage, searched, asked);
         certain &= !(missed | met);
         if met != 0 {
             packet.meet(simd, base, met);
@@ -193,15 +196,15 @@ fn search_certified<S: Simd, Q>(
     }
     ahead.ask(Moment::Finish);
     let refined = match &near {
-        Some(near) if !is_flat => work.distances.refine(simd, near),
+        Some(near) if !is_parallelogram => work.distances.refine(simd, near),
         Some(near) => near.place(),
         None => start.map(|x| x.max(-widened).min(widened)),
     };
-    let closer = leaf.closer.get_or_init(|| target.closer());
+    let numbers = leaf.numbers.get_or_init(|| target.numbers());
     let patch = &target.piece.patch;
     let net = work.nets.net_of(simd, target.leaf.piece, patch);
-    let on = TrueLeaf { target, closer, surface: &OneNet { patch, net } };
-    let finished = finish_all(simd, on, packet, base, certain, &Ground::Certificate, &refined);
+    let on = TrueLeaf { target, numbers, surface: &OneNet { patch, net } };
+    let finished = finish_all(simd, on, packet, base, certain, &Uniqueness::Certificate, &refined);
     Done { found: found | finished.found, ..finished }
 }
 

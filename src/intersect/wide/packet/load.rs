@@ -10,7 +10,7 @@ use crate::intersect::Shot;
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::PACKET;
 use crate::intersect::wide::box_ray::BLUR;
-use crate::intersect::wide::frames::{Frames, Narrow, perpendicular};
+use crate::intersect::wide::frames::{EightRays, ScaledSixteen, perpendicular};
 use crate::intersect::wide::lane_rays::PacketBounds;
 use crate::intersect::wide::vectors::{load3, load3d};
 use crate::intersect::wide::view::BvhView;
@@ -58,7 +58,7 @@ pub(super) fn change_to<S: Simd>(simd: S, packet: &mut Packet, scaled: &ScaledFr
         let halves = [base, base + 8].map(|base| {
             let eight = base..base + 8;
             let of = |lanes: &[f64; PACKET]| f64x8::from_slice(simd, &lanes[eight.clone()]);
-            Frames {
+            EightRays {
                 origin: load3d(simd, &packet.rays.origin, base),
                 axis: load3d(simd, &packet.rays.axis, base),
                 t_from_z: of(&packet.rays.t_from_z),
@@ -105,9 +105,14 @@ fn leave_out(packet: &mut Packet, far_off: u64) {
 
 /// The frames of eight rays, which are also stored in the packet.
 #[inline(always)]
-fn frames<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], base: usize) -> Frames<S> {
-    let frames = Frames::of(simd, shots, base);
-    let Frames { origin, axis, t_from_z, ends, magnitude } = frames;
+fn frames<S: Simd, Q: Shot>(
+    simd: S,
+    packet: &mut Packet,
+    shots: &[Q],
+    base: usize,
+) -> EightRays<S> {
+    let frames = EightRays::of(simd, shots, base);
+    let EightRays { origin, axis, t_from_z, ends, magnitude } = frames;
     for i in 0..3 {
         store(simd, &mut packet.rays.origin[i], base, origin[i]);
         store(simd, &mut packet.rays.axis[i], base, axis[i]);
@@ -157,11 +162,11 @@ fn narrow<S: Simd>(
     simd: S,
     packet: &mut Packet,
     base: usize,
-    low: &Frames<S>,
-    high: &Frames<S>,
+    low: &EightRays<S>,
+    high: &EightRays<S>,
     scaled: &ScaledFrame,
 ) {
-    let narrow = Narrow::new(simd, low, high, scaled);
+    let narrow = ScaledSixteen::new(simd, low, high, scaled);
     let sixteen = base..base + LANES;
     for half in 0..2 {
         store(simd, &mut packet.scaled.shift, base + 8 * half, narrow.shift[half]);

@@ -5,22 +5,23 @@
 //! lanes of a packet (`rays`, with `starts` and `hits`). `traverse` takes it through the tree:
 //! sixteen boxes are tested at once against all its rays (`shared_bounds`) and, where boxes are
 //! small compared with how far apart the rays are, against each ray by itself (`apart`). `leaf`
-//! searches a leaf (`target`) for sixteen rays at a time. Those that meet its box (`box_crossing`),
+//! searches a leaf (`target`) for sixteen rays at a time. Those that meet its box (`box_passage`),
 //! and for which its certificate holds, get a start in f32, which may prove enough (`screening`),
-//! else, eight at a time, an end in f64 (`finish`). Those for which it does not hold are put aside
+//! else, eight at a time, an end in f64 (`finish`, on `one_leaf`). Those for which it does not hold are put aside
 //! until there are sixteen (`doubts`), and then examined (`settle`). A ray that starts on a leaf
 //! may be done with it (`departures`). What is kept between packets, and found, is their `work`;
 //! `answers` reads what rays have met.
 
 mod answers;
 mod apart;
-mod box_crossing;
+mod box_passage;
 mod departures;
 mod doubts;
 mod finish;
 pub(super) mod hits;
 mod leaf;
 mod load;
+mod one_leaf;
 mod outline;
 pub(super) mod rays;
 pub(super) mod read_ahead;

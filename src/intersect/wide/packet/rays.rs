@@ -5,16 +5,16 @@ use fearless_simd::{
 };
 use fearless_simd_macros::simd;
 
-use super::box_crossing::BoxCrossing;
+use super::box_passage::BoxPassage;
 use super::hits::NearestHits;
 use super::starts::Starts;
 use crate::intersect::tree::nodes::LANES;
+use crate::intersect::wanted::Wanted;
 use crate::intersect::wide::PACKET;
 use crate::intersect::wide::box_ray::BOX_SPARE;
 use crate::intersect::wide::frames::END_SPARE;
 use crate::intersect::wide::lane_rays::{LaneRays, RaySixteen, ScaledRays};
 use crate::intersect::wide::vectors::lane_bits;
-use crate::intersect::wide::wanted::Wanted;
 use crate::math::bits::half_of_sixteen;
 
 /// Rays that are traced together, and the nearest hit of each.
@@ -93,18 +93,18 @@ impl Packet {
         mask32x8::from_bitmask(simd, hits).select(far, old).store_slice(lanes);
     }
 
-    /// One bit for each of sixteen rays whose crossing of a box lies in the range in which hits
+    /// One bit for each of sixteen rays whose passage of a box lies in the range in which hits
     /// count, and ahead of the root it starts on. The box was grown by more than the errors of its
     /// leaf or of the ray.
     #[simd]
-    pub(crate) fn within_range<S: Simd>(&self, simd: S, crossing: &BoxCrossing<S>) -> u32 {
-        let base = crossing.base;
+    pub(crate) fn within_range<S: Simd>(&self, simd: S, passage: &BoxPassage<S>) -> u32 {
+        let base = passage.base;
         let sixteen = base..base + LANES;
         let near = f32x16::from_slice(simd, &self.scaled.near[sixteen.clone()]);
         let far = f32x16::from_slice(simd, &self.scaled.far[sixteen]);
         // The ends are known with some slack to the other side.
         let spare = f32x16::splat(simd, 2.0 * END_SPARE + BOX_SPARE);
-        let within = crossing.entry.simd_gt(near + spare) & crossing.exit.simd_lt(far - spare);
+        let within = passage.entry.simd_gt(near + spare) & passage.exit.simd_lt(far - spare);
         if !self.starts.exist {
             return lane_bits(within);
         }
@@ -116,7 +116,7 @@ impl Packet {
             start[half] = (error - f64x8::from_slice(simd, &self.scaled.shift[eight])) * scale;
         }
         let ahead = simd.narrow_f64x8(start[0], start[1]) + spare;
-        lane_bits(within & crossing.entry.simd_gt(ahead))
+        lane_bits(within & passage.entry.simd_gt(ahead))
     }
 
     /// Notes a hit for those of the sixteen rays from `base` on whose bit is set: nothing more is

@@ -3,14 +3,14 @@
 use fearless_simd::{Simd, SimdBase, f32x16};
 use fearless_simd_macros::simd;
 
-use super::box_crossing::BoxCrossing;
+use super::box_passage::BoxPassage;
 use super::rays::Packet;
 use super::target::Target;
+use crate::intersect::wanted::Wanted;
 use crate::intersect::wide::proof::certified::upright;
 use crate::intersect::wide::proof::screen::{INSIDE, Screen, Screened};
 use crate::intersect::wide::search::distances::{NearRoots, terms};
 use crate::intersect::wide::vectors::lane_bits;
-use crate::intersect::wide::wanted::Wanted;
 
 /// Some of sixteen rays.
 #[derive(Clone, Copy)]
@@ -35,7 +35,7 @@ pub(super) fn screen<S: Simd>(
     simd: S,
     target: &Target<'_>,
     packet: &Packet,
-    crossing: &BoxCrossing<S>,
+    passage: &BoxPassage<S>,
     Searched { middle, near }: Searched<'_, S>,
     Asked { lanes, error }: Asked<S>,
 ) -> Screened {
@@ -47,19 +47,19 @@ pub(super) fn screen<S: Simd>(
     if target.pole.is_some() || (outside == 0 && packet.wanted != Wanted::Any) {
         return Screened::default();
     }
-    let rays = packet.sixteen(crossing.base);
+    let rays = packet.sixteen(passage.base);
     let screen = Screen {
         leaf: target.leaf,
         oriented: target.oriented,
         normals: rays.normals(simd),
-        upright: upright(simd, target.leaf, crossing.slopes),
+        upright: upright(simd, target.leaf, passage.slopes),
         terms: terms(simd, target.fitted(), middle, rays),
         error: error * f32x16::splat(simd, target.fitted().heaviest()),
         window: target.view.windows.of(target.index),
     };
     let Screened { missed, met } = screen.ask(simd, near, lanes);
     let met =
-        if packet.wanted == Wanted::Any { met & packet.within_range(simd, crossing) } else { 0 };
+        if packet.wanted == Wanted::Any { met & packet.within_range(simd, passage) } else { 0 };
     Screened { missed, met }
 }
 
@@ -75,7 +75,7 @@ mod tests {
     use crate::geometry::{NurbsSurface, TrimmedSurface, shapes};
     use crate::intersect::Kernel;
     use crate::intersect::level::dispatch;
-    use crate::intersect::wide::packet::box_crossing::cross_box;
+    use crate::intersect::wide::packet::box_passage::pass_box;
     use crate::intersect::wide::packet::load::{find_planes, load};
     use crate::intersect::wide::proof::certified::certify;
     use crate::intersect::wide::reach::WIDENED;
@@ -98,26 +98,26 @@ mod tests {
         dispatch!(Kernel::best_level(), simd => {
             load(simd, &mut packet, queries, &view);
             find_planes(simd, &mut packet);
-            let crossing = cross_box(simd, &oriented, &packet.scaled, 0);
+            let passage = pass_box(simd, &oriented, &packet.scaled, 0);
             let factor = target.piece.patch.residual_factor();
             let magnitude = f32x16::splat(simd, 1e2);
-            let certified = certify(simd, target.leaf, crossing.slopes, magnitude, factor);
-            let certified = lane_bits(crossing.met & certified);
+            let certified = certify(simd, target.leaf, passage.slopes, magnitude, factor);
+            let certified = lane_bits(passage.met & certified);
             let widened = f32x16::splat(simd, WIDENED as f32);
-            let (middle, near) = if target.leaf.is_flat() {
+            let (middle, near) = if target.leaf.is_parallelogram() {
                 let near = step_from_middle(simd, target.fitted(), packet.sixteen(0), widened);
                 (near.last.distances, near)
             } else {
                 let mut distances = LaneDistances::default();
                 distances.take(simd, target.fitted(), packet.sixteen(0));
-                let start = [crossing.x, crossing.y];
+                let start = [passage.x, passage.y];
                 let near = distances.newton(simd, start, [[-widened, widened]; 2]);
                 (distances.in_middle(simd), near)
             };
             let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
             let searched = Searched { middle, near: &near };
             let asked = Asked { lanes: certified, error };
-            (screen(simd, &target, &packet, &crossing, searched, asked), certified)
+            (screen(simd, &target, &packet, &passage, searched, asked), certified)
         })
     }
 

@@ -6,9 +6,10 @@ use fearless_simd_macros::simd;
 use super::doubts::{Doubt, Taken};
 use super::finish::finish_all;
 use super::load::farthest;
+use super::one_leaf::{TrueLeaf, Uniqueness};
 use super::rays::Packet;
-use super::target::{Ground, Target, TrueLeaf};
-use super::work::{Undecided, Work};
+use super::target::Target;
+use super::work::{PacketWork, Undecided};
 use crate::intersect::tree::nodes::LANES;
 use crate::intersect::wide::box_ray::BOX_SPARE;
 use crate::intersect::wide::proof::bounds::{GROWN, START_GROWN};
@@ -26,7 +27,7 @@ pub(super) fn settle<S: Simd>(
     simd: S,
     view: &BvhView<'_>,
     packet: &mut Packet,
-    work: &mut Work,
+    work: &mut PacketWork,
     least: usize,
 ) {
     let mut found = false;
@@ -116,13 +117,13 @@ fn settle_sixteen<S: Simd>(
                 }
             }
             let near = [near[0].swizzle_dyn(bytes), near[1].swizzle_dyn(bytes)];
-            let ground = Ground::Own(moved(domain, bytes));
+            let unique = Uniqueness::Own(moved(domain, bytes));
             let patch = &target.piece.patch;
             let net = nets.net_of(simd, target.leaf.piece, patch);
-            let closer = target.closer();
+            let numbers = target.numbers();
             let leaf =
-                TrueLeaf { target: &target, closer: &closer, surface: &OneNet { patch, net } };
-            let done = finish_all(simd, leaf, packet, base, wanted, &ground, &near);
+                TrueLeaf { target: &target, numbers: &numbers, surface: &OneNet { patch, net } };
+            let done = finish_all(simd, leaf, packet, base, wanted, &unique, &near);
             all.found |= done.found;
             all.steps += done.steps;
             for lane in set_bits(done.undecided) {

@@ -10,7 +10,7 @@ use super::rays::Packet;
 use super::read_ahead::{Ahead, Moment};
 use super::settle::settle;
 use super::shared_bounds::{enter, enter_block};
-use super::work::Work;
+use super::work::PacketWork;
 use crate::intersect::Shot;
 use crate::intersect::query::StartIn;
 use crate::intersect::tree::nodes::{Child, LANES, Region};
@@ -23,13 +23,13 @@ use crate::math::bits::set_bits;
 /// ask for (`packet.wanted`). `work.undecided` lists the pairs of ray and leaf that could not be
 /// certified or decided, which may hold nearer hits. The rays `ahead` are prefetched on the way.
 #[simd]
-pub(crate) fn trace<S: Simd, Q: Shot>(
+pub(crate) fn trace_packet<S: Simd, Q: Shot>(
     simd: S,
     view: &BvhView<'_>,
     shots: &[Q],
     ahead: &mut Ahead<'_, Q>,
     packet: &mut Packet,
-    work: &mut Work,
+    work: &mut PacketWork,
 ) {
     let tree = view.tree;
     work.undecided.clear();
@@ -88,7 +88,7 @@ fn change_region<S: Simd>(
     view: &BvhView<'_>,
     region: &Region,
     packet: &mut Packet,
-    work: &mut Work,
+    work: &mut PacketWork,
 ) {
     settle(simd, view, packet, work, 1);
     change_to(simd, packet, &region.frame, view.reach_of_f32);
@@ -101,7 +101,7 @@ fn meets_nothing<S: Simd, Q: Shot>(
     simd: S,
     view: &BvhView<'_>,
     shots: &[Q],
-    work: &mut Work,
+    work: &mut PacketWork,
 ) -> bool {
     let tree = view.tree;
     let (bounds, farthest) = match outline(simd, shots, view) {
@@ -145,7 +145,7 @@ fn search_block<S: Simd, Q>(
     rays: u64,
     ahead: &mut Ahead<'_, Q>,
     packet: &mut Packet,
-    work: &mut Work,
+    work: &mut PacketWork,
 ) {
     let block = &view.tree.blocks[index as usize];
     let leaves = view.tree.leaves(index);

@@ -14,7 +14,7 @@ pub(super) type Visit = (f32, ChildCode, u64);
 
 /// Scratch memory and results of tracing packets.
 #[derive(Debug, Default)]
-pub(crate) struct Work {
+pub(crate) struct PacketWork {
     pub(super) stack: Vec<Visit>,
     /// Rays and leaves that the scalar search must examine.
     pub undecided: Vec<Undecided>,
@@ -40,7 +40,7 @@ pub(crate) struct Undecided {
     pub from: f64,
 }
 
-impl Work {
+impl PacketWork {
     /// Leaves a leaf to the scalar search, for those of sixteen rays whose bit is set in `lanes`.
     #[inline(always)]
     pub(super) fn leave(&mut self, base: usize, lanes: u32, leaf: u32) {

@@ -197,7 +197,7 @@ impl<S: Simd> Screen<'_, S> {
         let [along_a, along_b, along_n] = along;
         let size = f1.abs() + f2.abs();
         let rest = size * f32x16::splat(simd, SURELY as f32) + off * f32x16::splat(simd, 2.0);
-        let [[other_s, out_s], [other_t, out_t]] = self.leaf.certificate.bend();
+        let [[other_s, out_s], [other_t, out_t]] = self.leaf.certificate.tilts();
         let (other_s, out_s) =
             (f32x16::splat(simd, other_s as f32), f32x16::splat(simd, out_s as f32));
         let (other_t, out_t) =

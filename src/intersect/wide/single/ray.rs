@@ -4,11 +4,11 @@ use fearless_simd::{Simd, SimdBase, f64x4};
 use glam::DVec3;
 
 use crate::intersect::Root;
+use crate::intersect::wanted::Wanted;
 use crate::intersect::wide::box_ray::BoxRay;
 use crate::intersect::wide::frames::{END_SPARE, shift_to_scene};
 use crate::intersect::wide::hit_place::HitPlace;
 use crate::intersect::wide::start::Start;
-use crate::intersect::wide::wanted::Wanted;
 use crate::math::RayFrame;
 use crate::patch::{Leaf, ScaledFrame};
 

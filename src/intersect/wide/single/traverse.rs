@@ -25,7 +25,7 @@ use super::finish::{Outcome, Search, finish};
 use super::ray::{Guess, SingleHit, SingleRay};
 use crate::intersect::Statistics;
 use crate::intersect::tree::nodes::Child;
-use crate::intersect::wide::box_ray::{BOX_SPARE, Crossings, Stack, first_entered};
+use crate::intersect::wide::box_ray::{BOX_SPARE, Passages, Stack, first_entered};
 use crate::intersect::wide::nearest::{Kept, is_cut_off, keep};
 use crate::intersect::wide::proof::one_ray::isolate;
 use crate::intersect::wide::reach::WIDENED;
@@ -110,27 +110,27 @@ fn search_block<S: Simd>(
 ) {
     let block = &view.tree.blocks[index as usize];
     let leaves = view.tree.leaves(index);
-    let mut crossings = Crossings::NONE;
-    ray.boxes.cross(simd, block, &mut crossings);
-    let mut met = leaves.of(crossings.met);
+    let mut passages = Passages::NONE;
+    ray.boxes.pass(simd, block, &mut passages);
+    let mut met = leaves.of(passages.met);
     view.prefetch_leaves(leaves.first, met);
     if ray.asks_for_all() {
         for k in set_bits(met) {
             work.statistics.leaf_tests += 1;
             let leaf = leaves.first + k as u32;
-            search_leaf(simd, view, leaf, &crossings, k, ray, work);
+            search_leaf(simd, view, leaf, &passages, k, ray, work);
         }
         return;
     }
     while met != 0 {
-        let nearest = first_entered(&crossings.entry, met);
+        let nearest = first_entered(&passages.entry, met);
         met &= !(1 << nearest);
-        if crossings.entry[nearest] > ray.boxes.far + BOX_SPARE {
+        if passages.entry[nearest] > ray.boxes.far + BOX_SPARE {
             return;
         }
         work.statistics.leaf_tests += 1;
         let leaf = leaves.first + nearest as u32;
-        search_leaf(simd, view, leaf, &crossings, nearest, ray, work);
+        search_leaf(simd, view, leaf, &passages, nearest, ray, work);
         if ray.is_done() {
             return;
         }
@@ -138,13 +138,13 @@ fn search_block<S: Simd>(
 }
 
 /// Searches one leaf, the `k`-th of a block, for one ray, whose ways through the block's boxes are
-/// in `crossings`.
+/// in `passages`.
 #[simd]
 fn search_leaf<S: Simd>(
     simd: S,
     view: &BvhView<'_>,
     index: u32,
-    crossings: &Crossings,
+    passages: &Passages,
     k: usize,
     ray: &mut SingleRay<'_>,
     work: &mut SingleWork,
@@ -152,7 +152,7 @@ fn search_leaf<S: Simd>(
     let leaf = &view.leaves[index as usize];
     let patch = &view.piece_of(index).patch;
     let error = patch.error_bound(ray.magnitude());
-    let guess = Guess::of(leaf, crossings.place_of(k), crossings.slopes_of(k), error);
+    let guess = Guess::of(leaf, passages.place_of(k), passages.slopes_of(k), error);
     // Of all hits, the scalar search also finds those that rounding leaves open.
     if ray.asks_for_all() && guess.is_none() {
         return work.undecided.push(index);
@@ -224,7 +224,7 @@ fn search_net<S: Simd>(
     let &NetLeaf { index, fitted, surface } = leaf;
     if let Some(Guess { start, clearance }) = guess {
         let start = place_in_lanes(simd, start);
-        let near = if fitted.leaf.is_flat() {
+        let near = if fitted.leaf.is_parallelogram() {
             start
         } else {
             Distances::new(simd, fitted, ray.frame).newton(simd, start)

@@ -1,10 +1,10 @@
-//! Eight pairs of a ray and a leaf, in f64 on the true surfaces.
+//! EightLeaves pairs of a ray and a leaf, in f64 on the true surfaces.
 
 use fearless_simd::{Simd, SimdBase, SimdMask, f64x8, mask64x8};
 use fearless_simd_macros::simd;
 
 use super::pairs::{Outcomes, PairLanes, eight};
-use crate::intersect::wide::frames::Frames;
+use crate::intersect::wide::frames::EightRays;
 use crate::intersect::wide::reach::WIDENED;
 use crate::intersect::wide::search::newton::{Ends, Leaves, Rays, Step, newton};
 use crate::intersect::wide::surface::jets::jets;
@@ -19,7 +19,7 @@ impl PairLanes {
         simd: S,
         half: usize,
         wanted: mask64x8<S>,
-        frames: &Frames<S>,
+        frames: &EightRays<S>,
         normals: [[f64x8<S>; 3]; 2],
         near: &[f64x8<S>; 2],
     ) -> Outcomes {
@@ -28,7 +28,7 @@ impl PairLanes {
         let rays = PairRays { frames, normals, error };
         let sides = [eight(simd, &self.half[0], half), eight(simd, &self.half[1], half)];
         let middle = [eight(simd, &self.middle[0], half), eight(simd, &self.middle[1], half)];
-        let leaves = Eight {
+        let leaves = EightLeaves {
             net: &self.net,
             half: sides,
             middle,
@@ -71,7 +71,7 @@ impl PairLanes {
 
 /// The rays of eight pairs.
 struct PairRays<'a, S: Simd> {
-    frames: &'a Frames<S>,
+    frames: &'a EightRays<S>,
     normals: [[f64x8<S>; 3]; 2],
     error: f64x8<S>,
 }
@@ -99,7 +99,7 @@ impl<S: Simd> Rays<S> for PairRays<'_, S> {
 }
 
 /// The leaves of eight pairs.
-struct Eight<'a, S: Simd> {
+struct EightLeaves<'a, S: Simd> {
     net: &'a LaneNet,
     half: [f64x8<S>; 2],
     middle: [f64x8<S>; 2],
@@ -109,7 +109,7 @@ struct Eight<'a, S: Simd> {
     clearance: f64x8<S>,
 }
 
-impl<S: Simd> Leaves<S> for Eight<'_, S> {
+impl<S: Simd> Leaves<S> for EightLeaves<'_, S> {
     #[inline(always)]
     fn jets(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S> {
         jets::<_, _, true>(simd, self.net, self.net.form, st)

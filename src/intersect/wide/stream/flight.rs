@@ -1,12 +1,12 @@
 //! One ray of a stream, on its way through the boxes.
 
 use crate::intersect::tree::nodes::ChildCode;
+use crate::intersect::wanted::Wanted;
 use crate::intersect::wide::box_ray::{BoxRay, Stack};
 use crate::intersect::wide::hit_place::HitPlace;
 use crate::intersect::wide::nearest::{Kept, keep};
 use crate::intersect::wide::single::ray::{SingleHit, boxes_in};
 use crate::intersect::wide::view::BvhView;
-use crate::intersect::wide::wanted::Wanted;
 use crate::math::{Ray, RayFrame};
 use crate::patch::ScaledFrame;
 

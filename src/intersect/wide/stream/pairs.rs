@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 use crate::intersect::Shot;
 use crate::intersect::query::StartIn;
 use crate::intersect::tree::nodes::LANES;
-use crate::intersect::wide::frames::{Frames, perpendicular, transposed};
+use crate::intersect::wide::frames::{EightRays, perpendicular, transposed};
 use crate::intersect::wide::hit_place::HitPlace;
 use crate::intersect::wide::proof::bounds::{DISTANCE_ROUNDING, LARGEST};
 use crate::intersect::wide::proof::lanes::missed;
@@ -180,7 +180,7 @@ impl PairLanes {
         simd: S,
         asked: u32,
         leaves: &[Fitted<'_>; LANES],
-        halves: &[Frames<S>; 2],
+        halves: &[EightRays<S>; 2],
         normals: &[[[f64x8<S>; 3]; 2]; 2],
     ) -> u32 {
         let zero = f32x16::splat(simd, 0.0);
@@ -213,7 +213,7 @@ impl PairLanes {
 
     /// Error bounds of points' distances from eight rays.
     #[inline(always)]
-    pub(super) fn error<S: Simd>(&self, simd: S, frames: &Frames<S>, half: usize) -> f64x8<S> {
+    pub(super) fn error<S: Simd>(&self, simd: S, frames: &EightRays<S>, half: usize) -> f64x8<S> {
         let factor = eight(simd, &self.residual_factor, half);
         factor * frames.magnitude.max(eight(simd, &self.magnitude, half))
     }
@@ -265,7 +265,7 @@ impl PairLanes {
         &mut self,
         simd: S,
         leaves: &[Fitted<'_>; LANES],
-        halves: &[Frames<S>; 2],
+        halves: &[EightRays<S>; 2],
         normals: &[[[f64x8<S>; 3]; 2]; 2],
     ) {
         let zero = f64x8::splat(simd, 0.0);
@@ -327,8 +327,8 @@ pub(super) fn eight<S: Simd>(simd: S, lanes: &Lanes, half: usize) -> f64x8<S> {
 }
 
 #[inline(always)]
-fn frames_of<S: Simd>(simd: S, rays: &[&Ray; LANES], first: usize) -> Frames<S> {
+fn frames_of<S: Simd>(simd: S, rays: &[&Ray; LANES], first: usize) -> EightRays<S> {
     let mut eight = [rays[first]; 8];
     eight.copy_from_slice(&rays[first..first + 8]);
-    Frames::new(simd, eight)
+    EightRays::new(simd, eight)
 }

@@ -12,15 +12,15 @@ use super::flight::Flight;
 use super::pairs::{Pair, PairLanes};
 use crate::intersect::query::StartIn;
 use crate::intersect::tree::nodes::{Child, ChildCode, LANES, Way};
-use crate::intersect::wide::box_ray::{BOX_SPARE, BoxRay, Crossings, first_entered, push_met};
-use crate::intersect::wide::frames::{Frames, Narrow};
+use crate::intersect::wanted::Wanted;
+use crate::intersect::wide::box_ray::{BOX_SPARE, BoxRay, Passages, first_entered, push_met};
+use crate::intersect::wide::frames::{EightRays, ScaledSixteen};
 use crate::intersect::wide::nearest::is_cut_off;
 use crate::intersect::wide::single::ray::{Guess, SingleHit, SingleRay};
 use crate::intersect::wide::single::traverse::{SingleWork, search_ahead};
 use crate::intersect::wide::start::{Line, Start};
 use crate::intersect::wide::surface::form::Form;
 use crate::intersect::wide::view::{BvhView, Fitted};
-use crate::intersect::wide::wanted::Wanted;
 use crate::intersect::{Shot, Statistics};
 use crate::math::bits::has;
 use crate::math::{Ray, RayFrame};
@@ -143,14 +143,14 @@ struct Entered {
 /// The results for the rays that are examined in one go.
 struct Seen {
     entered: [Entered; AT_ONCE],
-    crossings: [Crossings; AT_ONCE],
+    passages: [Passages; AT_ONCE],
 }
 
 /// Takes all waiting rays on to the next leaves they may meet, which are added as pairs.
 #[simd]
 fn walk<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stream: &mut Stream) {
     let entered = [Entered { entry: [0.0; LANES], met: 0 }; AT_ONCE];
-    let mut seen = Seen { entered, crossings: [Crossings::NONE; AT_ONCE] };
+    let mut seen = Seen { entered, passages: [Passages::NONE; AT_ONCE] };
     stream.walking.clear();
     for k in stream.waiting.drain(..) {
         stream.flights[k as usize].go_on(k, &mut stream.walking);
@@ -216,18 +216,18 @@ fn look_at_blocks<S: Simd, Q: Shot>(
 ) {
     let Stream { flights, walking, waiting, blocks, pairs, single, wanted, .. } = stream;
     for visits in blocks.all().chunks(AT_ONCE) {
-        for (&(k, index), crossings) in visits.iter().zip(&mut seen.crossings) {
+        for (&(k, index), passages) in visits.iter().zip(&mut seen.passages) {
             let block = &view.tree.blocks[index as usize];
-            flights[k as usize].boxes.cross(simd, block, crossings);
+            flights[k as usize].boxes.pass(simd, block, passages);
         }
-        if view.is_far() {
-            prefetch(view, visits, &seen.crossings);
+        if view.outgrows_caches() {
+            prefetch(view, visits, &seen.passages);
         }
-        for (&(k, index), crossings) in visits.iter().zip(&seen.crossings) {
+        for (&(k, index), passages) in visits.iter().zip(&seen.passages) {
             let (shot, flight) = (&shots[k as usize], &mut flights[k as usize]);
             let asked = StreamRay::new(view, shot, *wanted, k);
             let before = pairs.len();
-            asked.look_at(simd, index, crossings, flight, pairs, single);
+            asked.look_at(simd, index, passages, flight, pairs, single);
             if flight.alone || flight.is_done() {
                 pairs.truncate(before);
             } else if pairs.len() > before {
@@ -239,12 +239,12 @@ fn look_at_blocks<S: Simd, Q: Shot>(
     }
 }
 
-/// Prefetches the leaves whose boxes are met: see [`BvhView::is_far`].
-fn prefetch(view: &BvhView<'_>, visits: &[Visit], crossings: &[Crossings]) {
+/// Prefetches the leaves whose boxes are met: see [`BvhView::outgrows_caches`].
+fn prefetch(view: &BvhView<'_>, visits: &[Visit], passages: &[Passages]) {
     for stage in [BvhView::prefetch_leaves, BvhView::prefetch_pieces, BvhView::prefetch_nets] {
-        for (&(_, block), crossings) in visits.iter().zip(crossings) {
+        for (&(_, block), passages) in visits.iter().zip(passages) {
             let leaves = view.tree.leaves(block);
-            stage(view, leaves.first, leaves.of(crossings.met));
+            stage(view, leaves.first, leaves.of(passages.met));
         }
     }
 }
@@ -272,8 +272,8 @@ fn start<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stream: &mu
             }
             continue;
         }
-        let halves = [Frames::of(simd, shots, base), Frames::of(simd, shots, base + 8)];
-        let narrow = Narrow::new(simd, &halves[0], &halves[1], scaled);
+        let halves = [EightRays::of(simd, shots, base), EightRays::of(simd, shots, base + 8)];
+        let narrow = ScaledSixteen::new(simd, &halves[0], &halves[1], scaled);
         let mut numbers = [[0f32; LANES]; 8];
         let [ox, oy, oz] = narrow.origin;
         let [dx, dy, dz] = narrow.axis;
@@ -283,7 +283,7 @@ fn start<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stream: &mu
         }
         let mut wide = [[[0f64; 8]; 3]; 2];
         for half in 0..2 {
-            let Frames { magnitude, t_from_z, .. } = halves[half];
+            let EightRays { magnitude, t_from_z, .. } = halves[half];
             for (to, from) in wide[half].iter_mut().zip([narrow.shift[half], magnitude, t_from_z]) {
                 f64x8::store_slice(&from, to);
             }
@@ -336,22 +336,22 @@ impl<'a> StreamRay<'a> {
         &self,
         simd: S,
         block: u32,
-        crossings: &Crossings,
+        passages: &Passages,
         flight: &mut Flight,
         pairs: &mut Vec<Pair>,
         single: &mut SingleWork,
     ) {
         let leaves = self.view.tree.leaves(block);
-        let mut met = leaves.of(crossings.met);
+        let mut met = leaves.of(passages.met);
         while met != 0 {
-            let nearest = first_entered(&crossings.entry, met);
+            let nearest = first_entered(&passages.entry, met);
             met &= !(1 << nearest);
-            if crossings.entry[nearest] > flight.boxes.far + BOX_SPARE {
+            if passages.entry[nearest] > flight.boxes.far + BOX_SPARE {
                 return;
             }
             single.statistics.leaf_tests += 1;
             let index = leaves.first + nearest as u32;
-            let (start, slopes) = (crossings.place_of(nearest), crossings.slopes_of(nearest));
+            let (start, slopes) = (passages.place_of(nearest), passages.slopes_of(nearest));
             let leaf = &self.view.leaves[index as usize];
             let patch = &self.view.piece_of(index).patch;
             let error = patch.error_bound(flight.magnitude);

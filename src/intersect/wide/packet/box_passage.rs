@@ -9,7 +9,7 @@ use crate::patch::OrientedBox;
 
 /// Which of sixteen rays meet a leaf's box, where they cross its middle, and the slopes of their
 /// directions by the box's rows.
-pub(crate) struct BoxCrossing<S: Simd> {
+pub(crate) struct BoxPassage<S: Simd> {
     /// The first of the rays in their packet.
     pub base: usize,
     pub met: mask32x16<S>,
@@ -23,12 +23,12 @@ pub(crate) struct BoxCrossing<S: Simd> {
 
 /// The slab test of the oriented box for rays `base … base + 15`.
 #[inline(always)] // in the innermost loop
-pub(crate) fn cross_box<S: Simd>(
+pub(crate) fn pass_box<S: Simd>(
     simd: S,
     oriented: &OrientedBox,
     scaled: &ScaledRays,
     base: usize,
-) -> BoxCrossing<S> {
+) -> BoxPassage<S> {
     let origin = load3(simd, &scaled.origin, base);
     let axis = load3(simd, &scaled.axis, base);
     let near = f32x16::from_slice(simd, &scaled.near[base..base + 16]);
@@ -61,5 +61,5 @@ pub(crate) fn cross_box<S: Simd>(
     let z = (-at[2] * inverse).max(entry).min(exit);
     let x = z.mul_add(along[0], at[0]).max(-one).min(one);
     let y = z.mul_add(along[1], at[1]).max(-one).min(one);
-    BoxCrossing { base, met, x, y, entry, exit, slopes: along }
+    BoxPassage { base, met, x, y, entry, exit, slopes: along }
 }

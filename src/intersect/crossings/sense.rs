@@ -16,7 +16,7 @@ const BENT: f64 = 64.0;
 /// one line, as where a crease of a limit surface runs on smoothly, nothing is proved. Where it is
 /// not known which way the ray goes through the surface there, the meeting's cosine is zero: see
 /// [`Spot::has_one_side`](crate::intersect::roots::spot::Spot::has_one_side).)
-pub(super) fn touches(meeting: &Meeting) -> bool {
+pub(super) fn may_touch(meeting: &Meeting) -> bool {
     if meeting.is_certain() || has_no_normal(meeting) {
         return false;
     }
@@ -34,9 +34,9 @@ pub(super) fn has_no_normal(meeting: &Meeting) -> bool {
 
 /// Whether the ray passes through the surface in the same direction at both meetings, as far as is
 /// known. Without a normal it is unknown: it matches only other views without one.
-pub(super) fn same_side(a: &Meeting, b: &Meeting) -> bool {
+pub(super) fn same_sense(a: &Meeting, b: &Meeting) -> bool {
     match (has_no_normal(a), has_no_normal(b)) {
-        (false, false) => a.cosine * b.cosine > 0.0 || touches(a) || touches(b),
+        (false, false) => a.cosine * b.cosine > 0.0 || may_touch(a) || may_touch(b),
         (a, b) => a == b,
     }
 }
