@@ -274,11 +274,11 @@ impl Leaf {
 }
 
 /// Leaves whose [`FitError::bend`] is no larger than this fraction of their half sides count as
-/// flat.
+/// parallelograms.
 const MOST_BEND_OF_PARALLELOGRAM: f64 = 1e-6;
 
-/// The marks of leaves: see [`Leaf::is_trimmed`], [`Leaf::is_parallelogram`], [`Leaf::is_at_border`] and
-/// [`Leaf::is_biquadratic`].
+/// The marks of leaves: see [`Leaf::is_trimmed`], [`Leaf::is_parallelogram`],
+/// [`Leaf::is_at_border`] and [`Leaf::is_biquadratic`].
 const TRIMMED: u8 = 1;
 const PARALLELOGRAM: u8 = 2;
 const AT_BORDER: u8 = 4;

@@ -51,7 +51,8 @@ pub(crate) struct Passage {
 impl OrientedBox {
     /// Boxes are grown by this length in scaled coordinates: it covers the rounding of rows,
     /// origins and directions to f32, and of what is computed from them, over the distances a ray
-    /// has inside the scene. (The roundings are counted where these are known, in `bvh`.)
+    /// has inside the scene. (The roundings are counted where these are known, in
+    /// `intersect/f32_reach`.)
     pub(crate) const GROWTH: f64 = 5e-6;
 
     /// A box around control points.

@@ -21,6 +21,13 @@ fn room() -> SurfaceBvh {
     SurfaceBvh::build(&[walls, floor, ceiling]).unwrap()
 }
 
+/// A rectangle over a line between two places in the plane y = 0, from there to y = 1.
+fn flat(from: (f64, f64), to: (f64, f64)) -> NurbsSurface {
+    let knots = || KnotVector::bezier(1).unwrap();
+    let net = [from, to].map(|(x, z)| [0.0, 1.0].map(|y| DVec3::new(x, y, z))).concat();
+    NurbsSurface::new(knots(), knots(), net, None).unwrap()
+}
+
 /// Beside a crease, nearer than rounding moved the hit along a grazing ray that found it, a ray may
 /// leave one face and meet the other at once. It does not get out of the room for all that.
 #[test]
@@ -80,13 +87,8 @@ fn no_ray_gets_out_through_a_crease_that_it_starts_beside() {
 fn a_ray_that_leaves_a_border_meets_what_is_behind_a_gap() {
     let mut certain = 0;
     for gap in [1e-14, 1e-13, 1e-12, 4e-12, 1e-11, 4e-11, 1e-9, 1e-6] {
-        let corner = |x: f64, z: f64| [0.0, 1.0].map(|y| DVec3::new(x, y, z));
-        let flat = |from: [DVec3; 2], to: [DVec3; 2]| {
-            let knots = || KnotVector::bezier(1).unwrap();
-            NurbsSurface::new(knots(), knots(), [from, to].concat(), None).unwrap()
-        };
-        let plate = flat(corner(-1.0, 0.0), corner(0.0, 0.0));
-        let wall = flat(corner(gap, -1.0), corner(gap, 0.0));
+        let plate = flat((-1.0, 0.0), (0.0, 0.0));
+        let wall = flat((gap, -1.0), (gap, 0.0));
         // As if the wall were the edge's other face: met from the plate's other side.
         for wall in [wall.reversed_u(), wall] {
             let bvh = SurfaceBvh::build(&[plate.clone(), wall]).unwrap();
@@ -117,13 +119,8 @@ fn a_ray_that_leaves_a_border_meets_what_is_behind_a_gap() {
 /// clear of the edge, however flat, meets the wall.
 #[test]
 fn a_ray_that_starts_before_a_shared_edge_meets_the_other_face() {
-    let corner = |x: f64, z: f64| [0.0, 1.0].map(|y| DVec3::new(x, y, z));
-    let flat = |from: [DVec3; 2], to: [DVec3; 2]| {
-        let knots = || KnotVector::bezier(1).unwrap();
-        NurbsSurface::new(knots(), knots(), [from, to].concat(), None).unwrap()
-    };
-    let floor = flat(corner(-1.0, 0.0), corner(0.0, 0.0));
-    let wall = flat(corner(0.0, 0.0), corner(0.0, 1.0));
+    let floor = flat((-1.0, 0.0), (0.0, 0.0));
+    let wall = flat((0.0, 0.0), (0.0, 1.0));
     for wall in [wall.reversed_u(), wall] {
         let bvh = SurfaceBvh::build(&[floor.clone(), wall]).unwrap();
         for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
@@ -200,13 +197,8 @@ fn a_start_beside_the_hit_is_not_met_again_by_a_flatter_ray() {
 /// that leaves both upwards meets neither again; where the faces are turned alike, surely so.
 #[test]
 fn a_ray_from_a_shared_edge_meets_the_other_face_however_it_is_turned() {
-    let corner = |x: f64, z: f64| [0.0, 1.0].map(|y| DVec3::new(x, y, z));
-    let flat = |from: [DVec3; 2], to: [DVec3; 2]| {
-        let knots = || KnotVector::bezier(1).unwrap();
-        NurbsSurface::new(knots(), knots(), [from, to].concat(), None).unwrap()
-    };
-    let floor = flat(corner(-1.0, 0.0), corner(0.0, 0.0));
-    let wall = flat(corner(0.0, 0.0), corner(0.0, -1.0));
+    let floor = flat((-1.0, 0.0), (0.0, 0.0));
+    let wall = flat((0.0, 0.0), (0.0, -1.0));
     for (floor, wall, is_alike) in [
         (floor.clone(), wall.clone(), true),
         (floor.reversed_u(), wall.reversed_u(), true),

@@ -1,4 +1,4 @@
-//! The angle that a face covers around a place, as seen along a ray.
+//! The angle that a face covers around a place, as seen along a ray, and the edges it has there.
 
 use glam::{DVec2, DVec3};
 

@@ -200,7 +200,7 @@ fn doubt_half_touches(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) {
             (0..meetings.len()).any(|j| j != k && same_way(&meetings[j]) && near(&meetings[j], m))
         };
         let opposite = |m: &&Meeting| m.cosine * touch.cosine < 0.0;
-        // Two bodies may touch along an edge.
+        // Where two bodies touch along an edge, a face of one says nothing of the other.
         let is_of_one_body = |m: &Meeting| {
             let [own, others] = [touch, m].map(|m| passed_edges(m, pieces, axis));
             Turn::of(&own, &others) != Turn::Opposite

@@ -16,17 +16,16 @@
 //! 2. *Is a root proved?* Let `κ` bound the row sums of `|I − g'|` over the box. Where `κ`, plus
 //!    what rounding of the coefficients adds to derivatives (`2 (p + q) ε_g`), is below 1, the box
 //!    holds at most one root, and it lies in `m − g(m) ± (κ/2 + ε_g)` (Krawczyk 1969; `m` is the
-//!    middle, sides are 1). Where that range lies inside the box, the root exists. It is
-//!    then refined on the surface itself, and must stay in the box.
+//!    middle, sides are 1). Where that range lies inside the box, the root exists. It is then
+//!    refined on the surface itself, and must stay in the box.
 //! 3. *Can it shrink?* The box is cut down to where the hulls of the coefficients meet
 //!    zero (Bézier clipping: Sederberg & Nishita 1990; Efremov, Havran & Seidel 2005),
 //!    else halved across its longer image. Parts overlap a little, so that a root on the
 //!    line between two boxes is inside one of them; a root found twice is recognised by its box.
 //! 4. *Does rounding decide?* Where all of `f` is within `2ε` of zero, the ray passes the
-//!    whole box within rounding; a box of a few parameters' last digits cannot be halved. Either is
-//!    reported as one contact, flagged doubtful. At a
-//!    side that is collapsed to a point the contact is the pole, and doubtful only where
-//!    the ray may touch the surface there.
+//!    whole box within rounding; a box of a few last digits of parameters cannot be halved. Either
+//!    is reported as one contact, flagged doubtful. At a side that is collapsed to a point the
+//!    contact is the pole, and doubtful only where the ray may touch the surface there.
 //!
 //! The box's net is always cut anew from the leaf's, so its error is the same at every
 //! depth. Work is bounded: when the budget is used up, or the ray is seen to run inside

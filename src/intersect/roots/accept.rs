@@ -89,6 +89,16 @@ enum AtTrims {
     JustCutOff,
 }
 
+impl AtTrims {
+    /// How far the edge may be that the place is at, and what is kept there; `None` elsewhere.
+    fn edge(self) -> Option<(f64, Kept)> {
+        match self {
+            Self::Edge { distance, kept } => Some((distance, kept)),
+            Self::Inside | Self::JustCutOff => None,
+        }
+    }
+}
+
 /// What trims keep of all that a ray aimed at a place at their edge may meet there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kept {
@@ -275,11 +285,9 @@ impl<'a> Candidate<'a> {
         let Some(root) = question.from else { return Ok(()) };
         let (z, point) = (self.on_ray.z, self.on_ray.spot.jet.point);
         let most_off = z_error + root.error;
-        let (at_trims, farthest) = match trims {
-            // What lies on a trim edge may be as far from what is kept as is allowed there.
-            AtTrims::Edge { distance, .. } => (true, TRIM_REACH * most_off + distance),
-            AtTrims::Inside | AtTrims::JustCutOff => (false, most_off),
-        };
+        // What lies on a trim edge may be as far from what is kept as is allowed there.
+        let farthest =
+            trims.edge().map_or(most_off, |(distance, _)| TRIM_REACH * most_off + distance);
         let is_clear = flags.without(HitFlags::TRIM_EDGE).is_empty();
         if !(is_clear && z.abs() <= farthest) {
             return Ok(());
@@ -289,7 +297,7 @@ impl<'a> Candidate<'a> {
         let is_at_place = |apart: f64, more: f64| {
             z.abs() <= apart
                 && point.distance(start.jet.point) <= 2.0 * apart
-                && (at_trims || self.is_at_border(more))
+                && (trims.edge().is_some() || self.is_at_border(more))
         };
         let off = z_error + start.error;
         let is_edge = start.is_on_edge() && start.has_edge_at(point);
@@ -312,7 +320,7 @@ impl<'a> Candidate<'a> {
             return Err(if undecided { from } else { Dropped::Surely });
         }
         let is_flat = self.z_error > EDGE_IN_DOUBT * self.error;
-        if undecided || (matches!(self.trims, AtTrims::Edge { .. }) && is_flat) {
+        if undecided || (self.trims.edge().is_some() && is_flat) {
             self.flags.insert(HitFlags::DOUBTFUL);
         }
         Ok(())
@@ -329,10 +337,8 @@ impl<'a> Candidate<'a> {
     fn cover(&self, aimed: f64, at_border: bool) -> (Cover, bool) {
         let OnRay { ref spot, residual, .. } = self.on_ray;
         let ray = self.question.ray;
-        let (at_trims, kept) = match self.trims {
-            AtTrims::Edge { kept, .. } => (true, kept),
-            AtTrims::Inside | AtTrims::JustCutOff => (false, Kept::Unknown),
-        };
+        let edge = self.trims.edge();
+        let (at_trims, kept) = (edge.is_some(), edge.map_or(Kept::Unknown, |(_, kept)| kept));
         let is_off = residual > aimed;
         let beside_pole = is_off && self.solution.evidence == Evidence::Collapsed;
         let outside_pole =
@@ -370,10 +376,7 @@ impl<'a> Candidate<'a> {
             flags.insert(HitFlags::DOUBTFUL);
             cosine = 0.0;
         }
-        let (at_trims, edge, on_edge) = match self.trims {
-            AtTrims::Edge { distance, kept } => (true, distance, kept == Kept::Part),
-            AtTrims::Inside | AtTrims::JustCutOff => (false, 0.0, false),
-        };
+        let edge = self.trims.edge();
         let Spot { index, piece, st, jet } = spot;
         let stretch = match self.solution.evidence {
             Evidence::Stretch(z) => Some(z.map(|z| z * ray.t_from_z)),
@@ -390,12 +393,12 @@ impl<'a> Candidate<'a> {
             normal,
             flags,
             error,
-            at_trims,
-            edge,
+            at_trims: edge.is_some(),
+            edge: edge.map_or(0.0, |(distance, _)| distance),
             cosine,
             stretch,
             beyond,
-            on_edge,
+            on_edge: edge.is_some_and(|(_, kept)| kept == Kept::Part),
             aimed,
             cover,
             place: 0,

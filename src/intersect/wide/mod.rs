@@ -44,7 +44,7 @@
 //!
 //! | | |
 //! |---|---|
-//! | `view`, `wanted` | what is searched, and what rays ask for |
+//! | `view`, `wanted` | what is searched, and how far along a ray |
 //! | `reach`, `hit_place` | how far leaves reach, and where a hit is |
 //! | `vectors`, `frames`, `lane_rays` | vectors in lanes, and rays in lanes |
 //! | `box_ray` | one ray against sixteen boxes |

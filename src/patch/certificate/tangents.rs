@@ -51,7 +51,7 @@ impl TangentBounds {
     pub(super) fn new(net: &Net<'_>, collapsed: Option<RectSide>, axes: &Axes) -> Option<Self> {
         let [a, b, _] = axes.axes;
         match collapsed {
-            None => regular_proof(net, [a, b]),
+            None => regular_bounds(net, [a, b]),
             Some(side) => {
                 // A net whose collapsed side is `t = 0`: swap and mirror until it is.
                 let (degree, control) = net.with_collapsed_first(side);
@@ -93,7 +93,7 @@ struct Tangents<'a> {
 }
 
 /// What is proved about a net in the frame of `a₀` and `b₀`.
-fn regular_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
+fn regular_bounds(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
     let field = net.recentered(net.middle());
     if net.rational && field.values.len() <= MOST_MULTIPLIED {
         let along = [0, 1].map(|which| field.quotients_slope(which));
