@@ -9,8 +9,9 @@ use super::SurfaceBvh;
 /// - Of coherent rays, 64 consecutive ones make a packet. Packets are fast where their rays meet
 ///   the same leaves, so the pixels of a picture should come in squares of 8 × 8, or in Z-order,
 ///   not row after row.
-/// - Of incoherent rays, up to 256 consecutive ones are traced side by side for first hits and, in
-///   scenes of 2¹⁷ leaves and more, for occlusion; else each by itself.
+/// - Of incoherent rays, up to 256 consecutive ones are traced side by side, where that pays off:
+///   for first hits with AVX-512 or in scenes of 2¹⁴ leaves and more, for occlusion in scenes of
+///   2¹⁷ leaves and more; else each by itself.
 /// - Batches of a few thousand rays are long enough. The answers to longer ones leave the
 ///   processor's caches before the caller reads them.
 ///

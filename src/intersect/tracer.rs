@@ -223,7 +223,8 @@ impl<'a> Tracer<'a> {
     /// First hits of many rays; `answers` is cleared and filled in the same order.
     ///
     /// If the kernel supports it, coherent rays are traced in packets, except those that leave a
-    /// root, which are traced one by one; incoherent rays are traced side by side in streams.
+    /// root, which are traced one by one. Incoherent rays are traced side by side in streams, with
+    /// AVX-512 or in scenes of 2¹⁴ leaves and more, else one by one.
     ///
     /// The order of coherent rays matters for speed: 64 consecutive ones make a packet.
     /// [`Coherence`] says how to order them, and how many to give at a time.
@@ -277,8 +278,10 @@ impl<'a> Tracer<'a> {
             Some(level) if coherence == Coherence::Coherent => {
                 self.first_hits_in_packets(level, shots, answers);
             }
-            Some(level) => self.first_hits_in_streams(level, shots, answers),
-            None => answers.extend(shots.iter().map(|shot| self.first_hit(shot))),
+            Some(level) if self.kernel == Kernel::Avx512 || self.view.outgrows_caches() => {
+                self.first_hits_in_streams(level, shots, answers);
+            }
+            _ => answers.extend(shots.iter().map(|shot| self.first_hit(shot))),
         }
     }
 

@@ -81,7 +81,7 @@ mod tests {
     use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
     use crate::geometry::{Surface, TrimmedSurface, shapes};
     use crate::intersect::wide::weighted_hills;
-    use crate::intersect::{Coherence, Kernel, Query, SurfaceBvh};
+    use crate::intersect::{Kernel, Query, SurfaceBvh};
     use crate::math::{Ray, SplitMix};
 
     /// A torus around hills, a sheet with a hole, and a sphere so small that it is searched in
@@ -119,8 +119,9 @@ mod tests {
         let queries: Vec<Query> = queries.collect();
         for kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
             let mut tracer = bvh.tracer_with(*kernel);
+            let Some(level) = kernel.level() else { continue };
             let mut answers = Vec::new();
-            tracer.first_hits(&queries, Coherence::Incoherent, &mut answers);
+            tracer.first_hits_in_streams(level, &queries, &mut answers);
             let mut met = [0; 2];
             for (query, answer) in queries.iter().zip(answers) {
                 let hits = [answer.hit, tracer.first_hit(query).hit];
@@ -134,9 +135,8 @@ mod tests {
         }
     }
 
-    #[test]
-    fn occlusion_is_the_same_in_streams_and_alone() {
-        let bvh = scene();
+    /// Rays through the scene, and rays that leave what they meet.
+    fn rays(bvh: &SurfaceBvh) -> Vec<Query> {
         let mut random = SplitMix::new(7);
         let mut between = |low: f64, high: f64| low + (high - low) * random.unit();
         let mut queries = Vec::new();
@@ -153,6 +153,45 @@ mod tests {
             }
             queries.push(query);
         }
+        queries
+    }
+
+    #[test]
+    fn first_hits_are_the_same_in_streams_and_alone() {
+        let bvh = scene();
+        let queries = rays(&bvh);
+        for kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            let mut tracer = bvh.tracer_with(*kernel);
+            let Some(level) = kernel.level() else { continue };
+            let mut side_by_side = Vec::new();
+            tracer.first_hits_in_streams(level, &queries, &mut side_by_side);
+            let (mut met, mut doubtful) = (0, 0);
+            for (query, a) in queries.iter().zip(&side_by_side) {
+                let b = tracer.first_hit(query);
+                if a.doubtful || b.doubtful {
+                    doubtful += 1;
+                    continue;
+                }
+                let same = match (&a.hit, &b.hit) {
+                    (Some(a), Some(b)) => {
+                        met += 1;
+                        let within = (a.root.error + b.root.error) / query.ray.direction().length();
+                        a.surface == b.surface && (a.t - b.t).abs() <= within
+                    }
+                    (None, None) => true,
+                    _ => false,
+                };
+                assert!(same, "{kernel}: {query:?}: {a:?}, {b:?}");
+            }
+            assert!(met > 5000 && queries.len() - met > 5000, "{met} of {}", queries.len());
+            assert!(doubtful < 100, "{kernel}: {doubtful} of {}", queries.len());
+        }
+    }
+
+    #[test]
+    fn occlusion_is_the_same_in_streams_and_alone() {
+        let bvh = scene();
+        let queries = rays(&bvh);
         for kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
             let mut tracer = bvh.tracer_with(*kernel);
             let Some(level) = kernel.level() else { continue };

@@ -29,7 +29,7 @@
 //! | `BlockLeaf`, `Target`, `Opened` | of packets: only its box, with its piece, and with numbers that a search needs |
 //! | `Fitted` | with its weight, for the search in f32 |
 //! | `TrueLeaf`, `NetLeaf` | with its net, for f64: of packets, and of single rays |
-//! | `OneLeaf`, `EightLeaves` | for eight rays in f64: of packets one leaf, of streams one each |
+//! | `OneLeaf`, `EightLeaves` | for some rays in f64: of packets one leaf, of streams one each |
 //! | `PlacedLeaf` | for the scalar search |
 //!
 //! | rays | |

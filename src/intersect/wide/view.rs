@@ -57,9 +57,9 @@ impl<'a> BvhView<'a> {
     }
 
     /// Whether data needed soon are worth prefetching, stage by stage: leaves, their pieces, and
-    /// the control points of these.
+    /// the control points of these; and so many rays worth tracing side by side for first hits.
     #[inline(always)]
-    pub(super) fn outgrows_caches(&self) -> bool {
+    pub(crate) fn outgrows_caches(&self) -> bool {
         self.leaves.len() >= MORE_THAN_CACHES
     }
 

@@ -7,6 +7,7 @@ use super::hits::{gather, pair};
 use super::rays::Packet;
 use super::target::Target;
 use crate::intersect::wide::proof::departure::{Departure, Final, MAY_START};
+use crate::intersect::wide::search::distances::widened;
 use crate::intersect::wide::vectors::load3;
 use crate::math::bits::set_bits;
 
@@ -29,7 +30,7 @@ impl Packet {
             simd,
             base,
             leaf.piece,
-            &[target.parameters(simd, &[nearby; 2], 0); 2],
+            &[target.parameters(simd, &[nearby; 2], |ends| widened(ends, 0)); 2],
         );
         if here == 0 {
             return 0;

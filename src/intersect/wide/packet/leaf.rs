@@ -150,7 +150,7 @@ fn search_group<S: Simd, Q>(
         let (ray, leaf) = (base + lane, target.index);
         work.leave_one(Undecided { ray, leaf, from: packet.edges.0[ray] });
     }
-    done.found
+    done.hits != 0
 }
 
 /// Searches for those of sixteen rays that are asked for; the leaf's certificate holds for them.
@@ -166,7 +166,7 @@ fn search_certified<S: Simd, Q>(
 ) -> Done {
     let target = &leaf.target;
     let (base, mut certain) = (passage.base, asked.lanes);
-    let mut found = false;
+    let mut hits = 0;
     let start = [passage.x, passage.y];
     let widened = f32x16::splat(simd, WIDENED as f32);
     // On a parallelogram the search in f32 finds no better place than the one where the ray passes
@@ -188,11 +188,11 @@ fn search_certified<S: Simd, Q>(
         certain &= !(missed | met);
         if met != 0 {
             packet.meet(simd, base, met);
-            found = true;
+            hits = met;
         }
     }
     if certain == 0 {
-        return Done { found, ..Done::default() };
+        return Done { hits, ..Done::default() };
     }
     ahead.ask(Moment::Finish);
     let refined = match &near {
@@ -205,7 +205,7 @@ fn search_certified<S: Simd, Q>(
     let net = work.nets.net_of(simd, target.leaf.piece, patch);
     let on = TrueLeaf { target, numbers, surface: &OneNet { patch, net } };
     let finished = finish_all(simd, on, packet, base, certain, &Uniqueness::Certificate, &refined);
-    Done { found: found | finished.found, ..finished }
+    Done { hits: hits | finished.hits, ..finished }
 }
 
 /// Of sixteen rays for which the leaf's certificate holds, those whose one root in it is the one

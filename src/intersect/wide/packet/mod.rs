@@ -7,7 +7,7 @@
 //! small compared with how far apart the rays are, against each ray by itself (`apart`). `leaf`
 //! searches a leaf (`target`) for sixteen rays at a time. Those that meet its box (`box_passage`),
 //! and for which its certificate holds, get a start in f32, which may prove enough (`screening`),
-//! else, eight at a time, an end in f64 (`finish`, on `one_leaf`). Those for which it does not hold are put aside
+//! else an end in f64 (`finish`, on `one_leaf`). Those for which it does not hold are put aside
 //! until there are sixteen (`doubts`), and then examined (`settle`). A ray that starts on a leaf
 //! may be done with it (`departures`). What is kept between packets, and found, is their `work`;
 //! `answers` reads what rays have met.

@@ -1,8 +1,6 @@
 //! Sixty-four rays, with the roots they start on, and what has been found for each.
 
-use fearless_simd::{
-    Select, Simd, SimdBase, SimdMask, SimdSplit, f32x8, f32x16, f64x8, mask32x8, mask64x8,
-};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, f64x8, mask32x16};
 use fearless_simd_macros::simd;
 
 use super::box_passage::BoxPassage;
@@ -14,8 +12,8 @@ use crate::intersect::wide::PACKET;
 use crate::intersect::wide::box_ray::BOX_SPARE;
 use crate::intersect::wide::frames::END_SPARE;
 use crate::intersect::wide::lane_rays::{LaneRays, RaySixteen, ScaledRays};
-use crate::intersect::wide::vectors::lane_bits;
-use crate::math::bits::half_of_sixteen;
+use crate::intersect::wide::vectors::{lane_bits, load};
+use crate::math::bits::set_bits;
 
 /// Rays that are traced together, and the nearest hit of each.
 #[derive(Clone, Debug, Default)]
@@ -78,19 +76,22 @@ impl Packet {
         self.wanted = wanted;
     }
 
-    /// Shortens the f32 ends of rays to their nearest hits, for those of the eight rays from `base`
-    /// on whose bit is set.
+    /// Shortens the f32 ends of rays to their nearest hits, for those of the sixteen rays from
+    /// `base` on whose bit is set.
     #[simd]
-    pub(super) fn shorten<S: Simd>(&mut self, simd: S, base: usize, hits: u64) {
-        let eight = base..base + 8;
-        let z = f64x8::from_slice(simd, &self.hits.z[eight.clone()]);
-        let shift = f64x8::from_slice(simd, &self.scaled.shift[eight.clone()]);
-        let far = (z - shift) * f64x8::splat(simd, self.scaled.scale);
-        let (far, _) = simd.narrow_f64x8(far, far).split();
-        let far = far + f32x8::splat(simd, END_SPARE);
-        let lanes = &mut self.scaled.far[eight];
-        let old = f32x8::from_slice(simd, lanes);
-        mask32x8::from_bitmask(simd, hits).select(far, old).store_slice(lanes);
+    pub(super) fn shorten<S: Simd>(&mut self, simd: S, base: usize, hits: u32) {
+        let scale = f64x8::splat(simd, self.scaled.scale);
+        let mut far = [scale; 2];
+        for half in 0..2 {
+            let at = base + 8 * half;
+            let z: f64x8<S> = load(simd, &self.hits.z, at);
+            let shift: f64x8<S> = load(simd, &self.scaled.shift, at);
+            far[half] = (z - shift) * scale;
+        }
+        let far = simd.narrow_f64x8(far[0], far[1]) + f32x16::splat(simd, END_SPARE);
+        let lanes = &mut self.scaled.far[base..base + LANES];
+        let old = f32x16::from_slice(simd, lanes);
+        mask32x16::from_bitmask(simd, u64::from(hits)).select(far, old).store_slice(lanes);
     }
 
     /// One bit for each of sixteen rays whose passage of a box lies in the range in which hits
@@ -123,21 +124,10 @@ impl Packet {
     /// asked of them.
     #[simd]
     pub(super) fn meet<S: Simd>(&mut self, simd: S, base: usize, hits: u32) {
-        for half in 0..2 {
-            let hits = half_of_sixteen(hits, half);
-            if hits != 0 {
-                self.meet_eight(simd, base + 8 * half, hits);
-            }
+        self.hits.met |= u64::from(hits) << base;
+        for k in set_bits(hits) {
+            self.hits.z[base + k] = f64::NEG_INFINITY;
         }
-    }
-
-    /// Notes a hit for those of the eight rays from `base` on whose bit is set.
-    #[inline(always)]
-    pub(super) fn meet_eight<S: Simd>(&mut self, simd: S, base: usize, hits: u64) {
-        self.hits.met |= hits << base;
-        let lanes = &mut self.hits.z[base..base + 8];
-        let (old, none) = (f64x8::from_slice(simd, lanes), f64x8::splat(simd, f64::NEG_INFINITY));
-        mask64x8::from_bitmask(simd, hits).select(none, old).store_slice(lanes);
         self.shorten(simd, base, hits);
     }
 

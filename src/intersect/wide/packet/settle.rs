@@ -15,6 +15,7 @@ use crate::intersect::wide::box_ray::BOX_SPARE;
 use crate::intersect::wide::proof::bounds::{GROWN, START_GROWN};
 use crate::intersect::wide::proof::lane_parts::bytes_of;
 use crate::intersect::wide::proof::lanes::{LaneProof, Parts};
+use crate::intersect::wide::search::distances::widened;
 use crate::intersect::wide::surface::spline_net::RecentNets;
 use crate::intersect::wide::surface::sums::OneNet;
 use crate::intersect::wide::view::BvhView;
@@ -109,8 +110,8 @@ fn settle_sixteen<S: Simd>(
             if packet.starts.exist {
                 // If a ray starts in its part, the part's one root is the root it starts on.
                 let start = moved(start, bytes);
-                let start =
-                    [target.parameters(simd, &start, 0), target.parameters(simd, &start, 1)];
+                let half = |k| target.parameters(simd, &start, |ends| widened(ends, k));
+                let start = [half(0), half(1)];
                 wanted &= !packet.starts.are_in(simd, base, target.leaf.piece, &start);
                 if wanted == 0 {
                     continue;
@@ -124,7 +125,7 @@ fn settle_sixteen<S: Simd>(
             let leaf =
                 TrueLeaf { target: &target, numbers: &numbers, surface: &OneNet { patch, net } };
             let done = finish_all(simd, leaf, packet, base, wanted, &unique, &near);
-            all.found |= done.found;
+            all.found |= done.hits != 0;
             all.steps += done.steps;
             for lane in set_bits(done.undecided) {
                 all.leave(group.place[lane] as usize, f64::NEG_INFINITY);

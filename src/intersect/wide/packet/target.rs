@@ -1,13 +1,12 @@
 //! A leaf to search for rays.
 
-use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16, f64x8, mask64x8};
+use fearless_simd::{Simd, f32x16};
 use glam::DVec3;
 
 use crate::geometry::RectSide;
-use crate::intersect::wide::search::distances::widened;
 use crate::intersect::wide::search::newton::Rays;
 use crate::intersect::wide::surface::form::Form;
-use crate::intersect::wide::vectors::dot_d;
+use crate::intersect::wide::vectors::{Reals, dot_d};
 use crate::intersect::wide::view::{BvhView, Fitted};
 use crate::patch::{BESIDE_COLLAPSED, Leaf, OrientedBox, Piece, StRect, WIDENING};
 
@@ -88,56 +87,51 @@ impl<'a> Target<'a> {
         self.view.fitted(self.index, &self.piece.patch)
     }
 
-    /// The rectangle where the leaf's certificate holds, the same for all of eight rays.
+    /// The rectangle where the leaf's certificate holds, the same for all rays.
     #[inline(always)]
-    pub(super) fn certified<S: Simd>(&self, simd: S) -> [f64x8<S>; 4] {
+    pub(super) fn certified<S: Simd, V: Reals<S>>(&self, simd: S) -> [V; 4] {
         let [[s0, s1], [t0, t1]] = self.domain;
-        [
-            f64x8::splat(simd, s0),
-            f64x8::splat(simd, s1),
-            f64x8::splat(simd, t0),
-            f64x8::splat(simd, t1),
-        ]
+        [V::splat(simd, s0), V::splat(simd, s1), V::splat(simd, t0), V::splat(simd, t1)]
     }
 
     /// The rays that pass the leaf's pole far enough away for its certificate to hold.
     #[inline(always)]
-    pub(super) fn is_away_from_pole<S: Simd, R: Rays<S>>(
+    pub(super) fn is_away_from_pole<S: Simd, V: Reals<S>, R: Rays<S, V>>(
         &self,
         simd: S,
         pole: DVec3,
         rays: &R,
-    ) -> mask64x8<S> {
+    ) -> V::Mask {
         let [f1, f2] = rays.distances(simd, splat3(simd, pole));
         let distance = f1.mul_add(f1, f2 * f2).sqrt();
         let steep = self.steepness(simd, rays);
         let needed = f64::from(self.leaf.certificate.pole_per_error());
-        (rays.error() * f64x8::splat(simd, needed)).simd_le(steep * distance)
+        (rays.error() * V::splat(simd, needed)).simd_le(steep * distance)
     }
 
     /// See [`Certificate::steepness`](crate::patch::Certificate::steepness).
     #[inline(always)]
-    pub(super) fn steepness<S: Simd, R: Rays<S>>(&self, simd: S, rays: &R) -> f64x8<S> {
+    pub(super) fn steepness<S: Simd, V: Reals<S>, R: Rays<S, V>>(&self, simd: S, rays: &R) -> V {
         let row = self.leaf.certificate.upright(self.oriented.directions());
         dot_d(splat3(simd, row), rays.axis(simd)).abs()
     }
 
-    /// Converts half of sixteen rectangles of box coordinates to the piece's parameters: from and
-    /// to in `s`, then in `t`.
+    /// Converts rectangles of box coordinates to the piece's parameters: from and to in `s`, then
+    /// in `t`. Of sixteen rectangles, `part` takes those that are wanted, in f64.
     #[inline(always)]
-    pub(super) fn parameters<S: Simd>(
+    pub(super) fn parameters<S: Simd, V: Reals<S>>(
         &self,
         simd: S,
         rect: &[[f32x16<S>; 2]; 2],
-        half: usize,
-    ) -> [f64x8<S>; 4] {
-        let mut ends = [f64x8::splat(simd, 0.0); 4];
+        part: impl Fn(f32x16<S>) -> V,
+    ) -> [V; 4] {
+        let mut ends = [V::splat(simd, 0.0); 4];
         for k in 0..2 {
             let [from, to] = self.rect[k];
-            let middle = f64x8::splat(simd, 0.5 * (from + to));
-            let side = f64x8::splat(simd, 0.5 * (to - from));
+            let middle = V::splat(simd, 0.5 * (from + to));
+            let side = V::splat(simd, 0.5 * (to - from));
             for end in 0..2 {
-                ends[2 * k + end] = widened(rect[k][end], half).mul_add(side, middle);
+                ends[2 * k + end] = part(rect[k][end]).mul_add(side, middle);
             }
         }
         ends
@@ -145,6 +139,6 @@ impl<'a> Target<'a> {
 }
 
 #[inline(always)]
-pub(super) fn splat3<S: Simd>(simd: S, v: DVec3) -> [f64x8<S>; 3] {
-    [f64x8::splat(simd, v.x), f64x8::splat(simd, v.y), f64x8::splat(simd, v.z)]
+pub(super) fn splat3<S: Simd, V: Reals<S>>(simd: S, v: DVec3) -> [V; 3] {
+    [V::splat(simd, v.x), V::splat(simd, v.y), V::splat(simd, v.z)]
 }

@@ -395,14 +395,14 @@ pub(crate) fn middle_distances<S: Simd>(
 
 #[simd]
 fn half_distances<S: Simd>(simd: S, leaf: &Leaf, rays: &LaneRays, base: usize) -> [f64x8<S>; 2] {
-    let origin = load3d(simd, &rays.origin, base);
+    let origin: [f64x8<S>; 3] = load3d(simd, &rays.origin, base);
     let offset = [
         f64x8::splat(simd, leaf.middle.x) - origin[0],
         f64x8::splat(simd, leaf.middle.y) - origin[1],
         f64x8::splat(simd, leaf.middle.z) - origin[2],
     ];
-    let n1 = load3d(simd, &rays.normals[0], base);
-    let n2 = load3d(simd, &rays.normals[1], base);
+    let n1: [f64x8<S>; 3] = load3d(simd, &rays.normals[0], base);
+    let n2: [f64x8<S>; 3] = load3d(simd, &rays.normals[1], base);
     [dot_d(n1, offset), dot_d(n2, offset)]
 }
 
@@ -411,6 +411,15 @@ fn half_distances<S: Simd>(simd: S, leaf: &Leaf, rays: &LaneRays, base: usize) -
 pub(crate) fn widened<S: Simd>(value: f32x16<S>, half: usize) -> f64x8<S> {
     let (low, high) = value.widen();
     if half == 0 { low } else { high }
+}
+
+/// Those of sixteen numbers from `first` on that fit into a register, in f64.
+#[inline(always)]
+pub(crate) fn part_in_f64<S: Simd>(simd: S, value: f32x16<S>, first: usize) -> S::f64s {
+    let narrow = S::f32s::LEN;
+    let base = first / narrow * narrow;
+    let (low, high) = S::f32s::from_slice(simd, &value.as_slice()[base..base + narrow]).widen();
+    if first == base { low } else { high }
 }
 
 #[cfg(test)]

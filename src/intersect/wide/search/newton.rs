@@ -1,13 +1,13 @@
-//! Newton's iteration on the true surface, in f64, eight lanes at a time: for eight rays and one
-//! leaf, or for eight pairs of a ray and a leaf.
+//! Newton's iteration on the true surface, in f64, lane by lane: for some rays and one leaf, or for
+//! some pairs of a ray and a leaf.
 
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x8, mask64x8};
+use fearless_simd::{Select, Simd, SimdMask};
 use fearless_simd_macros::simd;
 
 use super::convergence::{COARSEST, MOST_ROUNDED, MOST_STEPS, PART_OF_ERROR};
 use crate::intersect::wide::reach::WITH_SLACK;
 use crate::intersect::wide::surface::sums::Jets;
-use crate::intersect::wide::vectors::{cross_d, dot_d, sum_of_sizes};
+use crate::intersect::wide::vectors::{Reals, cross_d, dot_d, sum_of_sizes};
 use crate::patch::LEAF_SLACK;
 
 /// The largest accepted bound, in radians, of the normal's error after a last step; above it the
@@ -21,54 +21,58 @@ const MOST_TURN: f64 = 5e-12;
 const LONGEST_STEP: f64 = 4e-3;
 const _: () = assert!(LONGEST_STEP > 2.0 * LEAF_SLACK);
 
-/// Eight leaves, one a lane, and the surfaces that they approximate.
-pub(crate) trait Leaves<S: Simd> {
+/// A leaf for each lane, and the surfaces that they approximate.
+pub(crate) trait Leaves<S: Simd, V: Reals<S>> {
     /// Points, first and second derivatives.
-    fn jets(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S>;
+    fn jets(&self, simd: S, st: &[V; 2]) -> Jets<V>;
 
     /// Points and first derivatives only.
-    fn tangents(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S>;
+    fn tangents(&self, simd: S, st: &[V; 2]) -> Jets<V>;
 
     /// Half the sides of the leaves' rectangles, one over that, and their middles.
-    fn half(&self, simd: S) -> [f64x8<S>; 2];
-    fn per_half(&self, simd: S) -> [f64x8<S>; 2];
-    fn middle(&self, simd: S) -> [f64x8<S>; 2];
+    fn half(&self, simd: S) -> [V; 2];
+    fn per_half(&self, simd: S) -> [V; 2];
+    fn middle(&self, simd: S) -> [V; 2];
 
     /// The domain with at most one root: from and to in `s`, then in `t`.
-    fn domain(&self, simd: S) -> [f64x8<S>; 4];
+    fn domain(&self, simd: S) -> [V; 4];
 
     /// `M` and `T` of [`FitError`](crate::patch::FitError).
-    fn bend(&self, simd: S) -> f64x8<S>;
-    fn third(&self, simd: S) -> f64x8<S>;
+    fn bend(&self, simd: S) -> V;
+    fn third(&self, simd: S) -> V;
 
-    /// Whether normals are asked for; otherwise the normals found only serve error bounds.
-    fn asks_normals(&self) -> bool;
+    /// Error bounds of points on the surfaces themselves, whatever the rays.
+    fn own_error(&self, simd: S) -> V;
+
+    /// Whether points and normals are asked for; otherwise what is found of them only serves error
+    /// bounds.
+    fn asks_places(&self) -> bool;
 
     /// How far beyond a side of the piece, in box coordinates, a root must lie for all of the piece
     /// in the domain to be missed; infinite where nothing is known.
-    fn clearance<R: Rays<S>>(&self, simd: S, rays: &R) -> f64x8<S>;
+    fn clearance<R: Rays<S, V>>(&self, simd: S, rays: &R) -> V;
 
     /// The lanes whose next step surely leads away from the leaf, so that the leaf is missed; none
     /// where no certificate shows that.
-    fn surely_away<R: Rays<S>>(&self, simd: S, rays: &R, step: &Step<S>) -> mask64x8<S>;
+    fn surely_away<R: Rays<S, V>>(&self, simd: S, rays: &R, step: &Step<V>) -> V::Mask;
 }
 
-/// Eight rays. Data are read when they are asked for: there are not enough registers to hold them.
-pub(crate) trait Rays<S: Simd> {
-    fn origin(&self, simd: S) -> [f64x8<S>; 3];
+/// A ray for each lane. Data are read when they are asked for: there are not enough registers to hold them.
+pub(crate) trait Rays<S: Simd, V: Reals<S>> {
+    fn origin(&self, simd: S) -> [V; 3];
 
     /// The unit directions.
-    fn axis(&self, simd: S) -> [f64x8<S>; 3];
+    fn axis(&self, simd: S) -> [V; 3];
 
     /// The normals of two planes through each ray.
-    fn normals(&self, simd: S) -> [[f64x8<S>; 3]; 2];
+    fn normals(&self, simd: S) -> [[V; 3]; 2];
 
     /// Error bound of a point's distance from the ray.
-    fn error(&self) -> f64x8<S>;
+    fn error(&self) -> V;
 
     /// The distances of points from the planes.
     #[inline(always)]
-    fn distances(&self, simd: S, point: [f64x8<S>; 3]) -> [f64x8<S>; 2] {
+    fn distances(&self, simd: S, point: [V; 3]) -> [V; 2] {
         let (origin, [n1, n2]) = (self.origin(simd), self.normals(simd));
         let from = [point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]];
         [dot_d(n1, from), dot_d(n2, from)]
@@ -77,50 +81,50 @@ pub(crate) trait Rays<S: Simd> {
 
 /// A step of the iteration, by first derivatives alone.
 #[derive(Clone, Copy)]
-pub(crate) struct Step<S: Simd> {
+pub(crate) struct Step<V> {
     /// Where it starts, and by how much it goes back.
-    pub at: [f64x8<S>; 2],
-    pub by: [f64x8<S>; 2],
+    pub at: [V; 2],
+    pub by: [V; 2],
     /// The distances from the ray's planes where it starts.
-    pub distances: [f64x8<S>; 2],
+    pub distances: [V; 2],
 }
 
 /// Where the iteration has converged.
 #[derive(Clone, Copy)]
-pub(crate) struct Converged<S: Simd> {
+pub(crate) struct Converged<S: Simd, V: Reals<S>> {
     /// The lanes that have converged.
-    pub found: mask64x8<S>,
+    pub found: V::Mask,
     /// The lanes that should have converged but have not.
-    pub unconverged: mask64x8<S>,
-    /// The lanes whose normals are known.
-    known: mask64x8<S>,
-    pub st: [f64x8<S>; 2],
+    pub unconverged: V::Mask,
+    /// The lanes whose points and normals are known.
+    known: V::Mask,
+    pub st: [V; 2],
     /// The distance along the ray.
-    pub z: f64x8<S>,
-    pub point: [f64x8<S>; 3],
+    pub z: V,
+    pub point: [V; 3],
     /// `S_s × S_t`, and an upper bound of the sum of the lengths of `S_s` and `S_t`.
-    pub cross: [f64x8<S>; 3],
-    pub speed: f64x8<S>,
+    pub cross: [V; 3],
+    pub speed: V,
     /// One over the determinant of the tangents in the ray's planes.
-    pub inverse_det: f64x8<S>,
+    pub inverse_det: V,
     /// Steps taken, over all lanes.
     pub steps: u32,
 }
 
 /// Where a step from a place leads, and what is known of it.
 #[derive(Clone, Copy)]
-struct Landed<S: Simd> {
-    /// The lanes that have converged there, and those whose normals are known.
-    done: mask64x8<S>,
-    known: mask64x8<S>,
-    st: [f64x8<S>; 2],
-    step: Step<S>,
+struct Landed<S: Simd, V: Reals<S>> {
+    /// The lanes that have converged there, and those whose points and normals are known.
+    done: V::Mask,
+    known: V::Mask,
+    st: [V; 2],
+    step: Step<V>,
     /// As in [`Converged`].
-    z: f64x8<S>,
-    point: [f64x8<S>; 3],
-    cross: [f64x8<S>; 3],
-    speed: f64x8<S>,
-    inverse_det: f64x8<S>,
+    z: V,
+    point: [V; 3],
+    cross: [V; 3],
+    speed: V,
+    inverse_det: V,
 }
 
 /// Takes Newton's steps for the `wanted` lanes, from what the search in f32 has found.
@@ -136,13 +140,13 @@ struct Landed<S: Simd> {
 /// small instead), as a rule the first step is the last. (One step with first derivatives alone, and
 /// another from where it leads, take longer than one with both.)
 #[inline(always)] // what goes in and out are dozens of vectors
-pub(crate) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
+pub(crate) fn newton<S: Simd, V: Reals<S>, T: Leaves<S, V>, R: Rays<S, V>>(
     simd: S,
     leaves: &T,
     rays: &R,
-    wanted: mask64x8<S>,
-    [x, y]: &[f64x8<S>; 2],
-) -> Converged<S> {
+    wanted: V::Mask,
+    [x, y]: &[V; 2],
+) -> Converged<S, V> {
     let ([half_s, half_t], [middle_s, middle_t]) = (leaves.half(simd), leaves.middle(simd));
     let place = [x.mul_add(half_s, middle_s), y.mul_add(half_t, middle_t)];
     let at = within(place, leaves.domain(simd));
@@ -168,7 +172,7 @@ pub(crate) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
     }
 
     // The leaf and its slack.
-    let reach = f64x8::splat(simd, WITH_SLACK);
+    let reach = V::splat(simd, WITH_SLACK);
     root.found &= (root.st[0] - middle_s).abs().simd_le(half_s * reach)
         & (root.st[1] - middle_t).abs().simd_le(half_t * reach);
     if (root.found & !on_piece(simd, root.st)).any_true() {
@@ -176,41 +180,46 @@ pub(crate) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
         root.found &= !beyond_piece(simd, leaves, rays, &st);
     }
     let unknown = root.found & !root.known;
-    if leaves.asks_normals() && unknown.any_true() {
+    if leaves.asks_places() && unknown.any_true() {
         let st = root.st;
-        let cross = normals(simd, leaves, &st);
+        let [point, cross] = looked_at(simd, leaves, &st);
         for i in 0..3 {
+            root.point[i] = unknown.select(point[i], root.point[i]);
             root.cross[i] = unknown.select(cross[i], root.cross[i]);
         }
     }
     root
 }
 
-/// `S_s × S_t` at some places.
+/// Points and `S_s × S_t` at some places.
 #[cold]
 #[simd]
-fn normals<S: Simd, T: Leaves<S>>(simd: S, leaves: &T, st: &[f64x8<S>; 2]) -> [f64x8<S>; 3] {
-    let Jets { first: [ds, dt], .. } = leaves.tangents(simd, st);
-    cross_d(ds, dt)
+fn looked_at<S: Simd, V: Reals<S>, T: Leaves<S, V>>(
+    simd: S,
+    leaves: &T,
+    st: &[V; 2],
+) -> [[V; 3]; 2] {
+    let Jets { point, first: [ds, dt], .. } = leaves.tangents(simd, st);
+    [point, cross_d(ds, dt)]
 }
 
 /// The places that lie on the piece.
 #[inline(always)]
-fn on_piece<S: Simd>(simd: S, [s, t]: [f64x8<S>; 2]) -> mask64x8<S> {
-    let (low, high) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
+fn on_piece<S: Simd, V: Reals<S>>(simd: S, [s, t]: [V; 2]) -> V::Mask {
+    let (low, high) = (V::splat(simd, 0.0), V::splat(simd, 1.0));
     s.simd_ge(low) & s.simd_le(high) & t.simd_ge(low) & t.simd_le(high)
 }
 
 /// The roots that lie so far beyond a side of the piece that the piece is missed there.
 #[cold]
 #[simd]
-fn beyond_piece<S: Simd, T: Leaves<S>, R: Rays<S>>(
+fn beyond_piece<S: Simd, V: Reals<S>, T: Leaves<S, V>, R: Rays<S, V>>(
     simd: S,
     leaves: &T,
     rays: &R,
-    [s, t]: &[f64x8<S>; 2],
-) -> mask64x8<S> {
-    let high = f64x8::splat(simd, 1.0);
+    [s, t]: &[V; 2],
+) -> V::Mask {
+    let high = V::splat(simd, 1.0);
     let [sides_s, sides_t] = leaves.per_half(simd);
     let over_s = (-*s).max(*s - high) * sides_s;
     let over_t = (-*t).max(*t - high) * sides_t;
@@ -220,7 +229,7 @@ fn beyond_piece<S: Simd, T: Leaves<S>, R: Rays<S>>(
 /// Moves places into the domain with at most one root; NaN becomes a bound, or stays: then nothing
 /// converges.
 #[inline(always)]
-fn within<S: Simd>([s, t]: [f64x8<S>; 2], domain: [f64x8<S>; 4]) -> [f64x8<S>; 2] {
+fn within<S: Simd, V: Reals<S>>([s, t]: [V; 2], domain: [V; 4]) -> [V; 2] {
     [s.max(domain[0]).min(domain[1]), t.max(domain[2]).min(domain[3])]
 }
 
@@ -235,19 +244,19 @@ fn within<S: Simd>([s, t]: [f64x8<S>; 2], domain: [f64x8<S>; 4]) -> [f64x8<S>; 2
 /// What is left of one tangent turns the normal by its part along the normal, times the length of
 /// the other tangent, over their cross product.
 #[inline(always)]
-fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
+fn land<S: Simd, V: Reals<S>, T: Leaves<S, V>, R: Rays<S, V>>(
     simd: S,
     leaves: &T,
     rays: &R,
-    st: &[f64x8<S>; 2],
-) -> Landed<S> {
+    st: &[V; 2],
+) -> Landed<S, V> {
     let Jets { point: start, first: [ds, dt], second: [dss, dst, dtt] } = leaves.jets(simd, st);
     let [s, t] = *st;
     let [f1, f2] = rays.distances(simd, start);
     let [n1, n2] = rays.normals(simd);
     let (a1, a2) = (dot_d(n1, ds), dot_d(n2, ds));
     let (b1, b2) = (dot_d(n1, dt), dot_d(n2, dt));
-    let inverse_det = f64x8::splat(simd, 1.0) / (a1 * b2 - a2 * b1);
+    let inverse_det = V::splat(simd, 1.0) / (a1 * b2 - a2 * b1);
     let slopes = [[a1, a2], [b1, b2]];
 
     // Converged where the residual is within the error, or will be after this step, as far as
@@ -260,7 +269,7 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let close = residual.simd_le(squared);
     let (along_s, along_t) = (a1.mul_add(a1, a2 * a2), b1.mul_add(b1, b2 * b2));
     let rounded = residual * (along_s * inverse_det) * (along_t * inverse_det);
-    let well = rounded.simd_le(squared * f64x8::splat(simd, MOST_ROUNDED));
+    let well = rounded.simd_le(squared * V::splat(simd, MOST_ROUNDED));
 
     // The step by first derivatives, and what second ones add.
     let step = solved(slopes, inverse_det, [f1, f2]);
@@ -277,7 +286,7 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
         & new_t.simd_le(domain[3]);
 
     let (origin, axis) = (rays.origin(simd), rays.axis(simd));
-    let (mut point, mut z) = (start, f64x8::splat(simd, 0.0));
+    let (mut point, mut z) = (start, V::splat(simd, 0.0));
     for i in 0..3 {
         point[i] = start[i] - ds[i] * all_s - dt[i] * all_t + moved[i];
         z = axis[i].mul_add(point[i] - origin[i], z);
@@ -297,23 +306,23 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
 }
 
 /// How the tangents turn along a step back.
-struct Turned<S: Simd> {
+struct Turned<V> {
     /// The tangents where the step leads.
-    tangents: [[f64x8<S>; 3]; 2],
+    tangents: [[V; 3]; 2],
     /// How far their turning moves the point: `½ H[h, h]`.
-    moved: [f64x8<S>; 3],
+    moved: [V; 3],
 }
 
 #[inline(always)]
-fn turned<S: Simd>(
+fn turned<S: Simd, V: Reals<S>>(
     simd: S,
-    mut tangents: [[f64x8<S>; 3]; 2],
-    [dss, dst, dtt]: [[f64x8<S>; 3]; 3],
-    [step_s, step_t]: [f64x8<S>; 2],
-) -> Turned<S> {
-    let half = f64x8::splat(simd, 0.5);
+    mut tangents: [[V; 3]; 2],
+    [dss, dst, dtt]: [[V; 3]; 3],
+    [step_s, step_t]: [V; 2],
+) -> Turned<V> {
+    let half = V::splat(simd, 0.5);
     let (half_s, half_t) = (step_s * half, step_t * half);
-    let mut moved = [f64x8::splat(simd, 0.0); 3];
+    let mut moved = [V::splat(simd, 0.0); 3];
     for i in 0..3 {
         let turn_s = dss[i].mul_add(step_s, dst[i] * step_t);
         let turn_t = dst[i].mul_add(step_s, dtt[i] * step_t);
@@ -325,64 +334,68 @@ fn turned<S: Simd>(
 }
 
 /// How far second derivatives may be trusted: the lanes where what they leave of the distances is a
-/// small part of the `error`, and those where what they leave of the normal is next to nothing.
-struct Trusted<S: Simd> {
-    straight: mask64x8<S>,
-    known: mask64x8<S>,
+/// small part of the `error`, and those where what they leave of the point is a small part of the
+/// surface's own error (the ray's is far larger if it comes from far away), and what they leave of
+/// the normal next to nothing.
+struct Trusted<S: Simd, V: Reals<S>> {
+    straight: V::Mask,
+    known: V::Mask,
 }
 
 /// Judges a step by first derivatives, what second ones add to it, and the tangents where both
 /// lead.
 #[inline(always)]
-fn trusted<S: Simd, T: Leaves<S>>(
+fn trusted<S: Simd, V: Reals<S>, T: Leaves<S, V>>(
     simd: S,
     leaves: &T,
-    [step, more]: [[f64x8<S>; 2]; 2],
-    ([along_s, along_t], cross): ([[f64x8<S>; 3]; 2], [f64x8<S>; 3]),
-    error: f64x8<S>,
-) -> Trusted<S> {
+    [step, more]: [[V; 2]; 2],
+    ([along_s, along_t], cross): ([[V; 3]; 2], [V; 3]),
+    error: V,
+) -> Trusted<S, V> {
     let ([half_s, half_t], per_half) = (leaves.half(simd), leaves.per_half(simd));
     let more = half_sides(more, per_half);
     let longest = half_sides(step, per_half) + more;
     let (bend, third) = (leaves.bend(simd), leaves.third(simd) * longest * longest);
     let turned_back = (bend + bend) * more;
-    let least = error * f64x8::splat(simd, PART_OF_ERROR);
-    let short = longest.simd_le(f64x8::splat(simd, LONGEST_STEP));
-    let straight = short & (longest * (turned_back + third)).simd_le(least);
+    let part = V::splat(simd, PART_OF_ERROR);
+    let short = longest.simd_le(V::splat(simd, LONGEST_STEP));
+    let left = longest * (turned_back + third);
+    let straight = short & left.simd_le(error * part);
+    let on_surface = short & left.simd_le(leaves.own_error(simd) * part);
 
-    let off = third.mul_add(f64x8::splat(simd, 3.0), turned_back);
+    let off = third.mul_add(V::splat(simd, 3.0), turned_back);
     let (squared_s, squared_t) = (half_s * half_s, half_t * half_t);
     let longer = (squared_s * dot_d(along_s, along_s)).max(squared_t * dot_d(along_t, along_t));
-    let most = f64x8::splat(simd, MOST_TURN * MOST_TURN) * (squared_s * squared_t);
-    let known = short & (off * off * longer).simd_le(most * dot_d(cross, cross));
+    let most = V::splat(simd, MOST_TURN * MOST_TURN) * (squared_s * squared_t);
+    let known = on_surface & (off * off * longer).simd_le(most * dot_d(cross, cross));
     Trusted { straight, known }
 }
 
 /// The solution of `J h = f`, with the columns of `J` and one over its determinant.
 #[inline(always)]
-fn solved<S: Simd>(
-    [[a1, a2], [b1, b2]]: [[f64x8<S>; 2]; 2],
-    inverse_det: f64x8<S>,
-    [f1, f2]: [f64x8<S>; 2],
-) -> [f64x8<S>; 2] {
+fn solved<S: Simd, V: Reals<S>>(
+    [[a1, a2], [b1, b2]]: [[V; 2]; 2],
+    inverse_det: V,
+    [f1, f2]: [V; 2],
+) -> [V; 2] {
     [(f1 * b2 - f2 * b1) * inverse_det, (a1 * f2 - a2 * f1) * inverse_det]
 }
 
 /// The length of a step in half sides: the larger of its two components.
 #[inline(always)]
-fn half_sides<S: Simd>([s, t]: [f64x8<S>; 2], [per_half_s, per_half_t]: [f64x8<S>; 2]) -> f64x8<S> {
+fn half_sides<S: Simd, V: Reals<S>>([s, t]: [V; 2], [per_half_s, per_half_t]: [V; 2]) -> V {
     (s * per_half_s).abs().max((t * per_half_t).abs())
 }
 
 /// Takes the steps that follow, for lanes that have not converged.
 #[cold]
 #[simd]
-fn go_on<S: Simd, T: Leaves<S>, R: Rays<S>>(
+fn go_on<S: Simd, V: Reals<S>, T: Leaves<S, V>, R: Rays<S, V>>(
     simd: S,
     leaves: &T,
     rays: &R,
-    so_far: &(Converged<S>, Landed<S>),
-) -> Converged<S> {
+    so_far: &(Converged<S, V>, Landed<S, V>),
+) -> Converged<S, V> {
     let (mut root, mut landed) = *so_far;
     for step in 1..=MOST_STEPS {
         root.unconverged &= !leaves.surely_away(simd, rays, &landed.step);
@@ -409,37 +422,37 @@ fn go_on<S: Simd, T: Leaves<S>, R: Rays<S>>(
     root
 }
 
-/// The ranges of eight rays in which hits count.
+/// The ranges of rays in which hits count.
 #[derive(Clone, Copy)]
-pub(crate) struct Ends<S: Simd> {
+pub(crate) struct Ends<V> {
     /// From and to.
-    pub z: [f64x8<S>; 2],
+    pub z: [V; 2],
     /// Error bounds of the roots that rays start on, if any ray starts on one.
-    pub from_error: Option<f64x8<S>>,
+    pub from_error: Option<V>,
 }
 
 /// The judgement of roots that were found.
 #[derive(Clone, Copy)]
-pub(crate) struct Verdict<S: Simd> {
+pub(crate) struct Verdict<S: Simd, V: Reals<S>> {
     /// The length of `S_s × S_t`.
-    pub size: f64x8<S>,
+    pub size: V,
     /// Error bound of `z`.
-    pub z_error: f64x8<S>,
+    pub z_error: V,
     /// The roots that the scalar search must judge.
-    pub undecided: mask64x8<S>,
+    pub undecided: V::Mask,
     /// Those of them that lie on the piece, and are only too near an end of the ray or its start:
     /// if trims cut them off, nothing is left to be judged.
-    pub at_end: mask64x8<S>,
+    pub at_end: V::Mask,
     /// The roots within the ray's range.
-    pub acceptable: mask64x8<S>,
+    pub acceptable: V::Mask,
     /// The distance along the ray within which a root cannot be told from an end or another hit.
-    pub near_end: f64x8<S>,
+    pub near_end: V,
 }
 
-impl<S: Simd> Converged<S> {
+impl<S: Simd, V: Reals<S>> Converged<S, V> {
     /// Evaluates the points and the normals at the places themselves.
     #[inline(always)]
-    pub(crate) fn look<T: Leaves<S>>(&mut self, simd: S, leaves: &T) {
+    pub(crate) fn look<T: Leaves<S, V>>(&mut self, simd: S, leaves: &T) {
         let Jets { point, first: [ds, dt], .. } = leaves.tangents(simd, &self.st);
         (self.point, self.cross) = (point, cross_d(ds, dt));
     }
@@ -450,14 +463,14 @@ impl<S: Simd> Converged<S> {
     pub(crate) fn verdict(
         &self,
         simd: S,
-        ends: &Ends<S>,
-        error: f64x8<S>,
+        ends: &Ends<V>,
+        error: V,
         certified: bool,
-    ) -> Verdict<S> {
+    ) -> Verdict<S, V> {
         let (found, z) = (self.found, self.z);
         // One over the cosine is `|a × b| / det`.
         let size = dot_d(self.cross, self.cross).sqrt();
-        let steepest = f64x8::splat(simd, 1.0 / f64::EPSILON);
+        let steepest = V::splat(simd, 1.0 / f64::EPSILON);
         let z_error = error * (size * self.inverse_det.abs()).min(steepest);
         let mut near_end = z_error + z_error;
         let mut clear = found;
@@ -472,12 +485,12 @@ impl<S: Simd> Converged<S> {
         if !certified {
             // Rounding of a parameter must be small compared with the error; no certificate has
             // checked that.
-            known &= (f64x8::splat(simd, COARSEST) * self.speed).simd_le(error);
+            known &= (V::splat(simd, COARSEST) * self.speed).simd_le(error);
         }
         let undecided = found & !(known & clear);
         // Without a normal, nothing says how far the root may be off. False for NaN.
-        let infinity = f64x8::splat(simd, f64::INFINITY);
-        let has_normal = size.simd_gt(f64x8::splat(simd, 0.0)) & near_end.simd_lt(infinity);
+        let infinity = V::splat(simd, f64::INFINITY);
+        let has_normal = size.simd_gt(V::splat(simd, 0.0)) & near_end.simd_lt(infinity);
         let at_end = known & !clear & has_normal;
         let acceptable = found & !undecided & z.simd_gt(z_min);
         Verdict { size, z_error, undecided, at_end, acceptable, near_end }

@@ -41,6 +41,8 @@ impl PairLanes {
             bend: eight(simd, &self.bend, half),
             third: eight(simd, &self.third, half),
             clearance: eight(simd, &self.clearance, half),
+            own_error: eight(simd, &self.residual_factor, half)
+                * eight(simd, &self.magnitude, half),
         };
         let mut root = newton(simd, &leaves, &rays, wanted, near);
         let (unconverged, steps) = (root.unconverged.to_bitmask() as u32, root.steps);
@@ -76,7 +78,7 @@ struct PairRays<'a, S: Simd> {
     error: f64x8<S>,
 }
 
-impl<S: Simd> Rays<S> for PairRays<'_, S> {
+impl<S: Simd> Rays<S, f64x8<S>> for PairRays<'_, S> {
     #[inline(always)]
     fn origin(&self, _: S) -> [f64x8<S>; 3] {
         self.frames.origin
@@ -107,17 +109,18 @@ struct EightLeaves<'a, S: Simd> {
     bend: f64x8<S>,
     third: f64x8<S>,
     clearance: f64x8<S>,
+    own_error: f64x8<S>,
 }
 
-impl<S: Simd> Leaves<S> for EightLeaves<'_, S> {
+impl<S: Simd> Leaves<S, f64x8<S>> for EightLeaves<'_, S> {
     #[inline(always)]
-    fn jets(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S> {
-        jets::<_, _, true>(simd, self.net, self.net.form, st)
+    fn jets(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<f64x8<S>> {
+        jets::<_, _, _, true>(simd, self.net, self.net.form, st)
     }
 
     #[inline(always)]
-    fn tangents(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S> {
-        jets::<_, _, false>(simd, self.net, self.net.form, st)
+    fn tangents(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<f64x8<S>> {
+        jets::<_, _, _, false>(simd, self.net, self.net.form, st)
     }
 
     #[inline(always)]
@@ -151,20 +154,25 @@ impl<S: Simd> Leaves<S> for EightLeaves<'_, S> {
         self.third
     }
 
-    /// Normals are evaluated at the roots instead.
     #[inline(always)]
-    fn asks_normals(&self) -> bool {
+    fn own_error(&self, _: S) -> f64x8<S> {
+        self.own_error
+    }
+
+    /// Both are evaluated at the roots instead.
+    #[inline(always)]
+    fn asks_places(&self) -> bool {
         false
     }
 
     #[inline(always)]
-    fn clearance<R: Rays<S>>(&self, _: S, _: &R) -> f64x8<S> {
+    fn clearance<R: Rays<S, f64x8<S>>>(&self, _: S, _: &R) -> f64x8<S> {
         self.clearance
     }
 
     /// None: such rays are left to their own proof.
     #[inline(always)]
-    fn surely_away<R: Rays<S>>(&self, simd: S, _: &R, _: &Step<S>) -> mask64x8<S> {
+    fn surely_away<R: Rays<S, f64x8<S>>>(&self, simd: S, _: &R, _: &Step<f64x8<S>>) -> mask64x8<S> {
         simd.splat_mask64x8(false)
     }
 }

@@ -54,8 +54,8 @@ pub(super) struct PairLanes {
     pub(super) clearance: Lanes,
     /// See [`TensorPatch::residual_factor`](crate::patch::TensorPatch::residual_factor), and the
     /// largest coordinate of the piece.
-    residual_factor: Lanes,
-    magnitude: Lanes,
+    pub(super) residual_factor: Lanes,
+    pub(super) magnitude: Lanes,
     fit_error: [f32; LANES],
     /// Error bounds of the roots that rays start on.
     pub(super) from_error: Lanes,

@@ -1,30 +1,31 @@
-//! Evaluates the true surface at eight places, in f64, lane by lane: of one patch, or of eight
+//! Evaluates the true surface at some places, in f64, lane by lane: of one patch, or of as many
 //! patches of one form; by powers ([`power_sums`]), or by Bernstein functions like
 //! [`TensorPatch::jet`](crate::patch::TensorPatch::jet).
 
-use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
+use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
 use super::form::{Form, with_numbers};
 use super::power_sums;
 use super::sums::{Jets, Net, Sums, in_space};
+use crate::intersect::wide::vectors::Reals;
 use crate::math::bernstein::{MAX_DEGREE, binomials};
 
-/// Evaluates the true surface and its first derivatives at eight places, and with `SECOND` the
+/// Evaluates the true surface and its first derivatives at some places, and with `SECOND` the
 /// second ones, from a net.
 #[inline(always)]
-pub(crate) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
+pub(crate) fn jets<S: Simd, V: Reals<S>, T: Net<S, V>, const SECOND: bool>(
     simd: S,
     net: &T,
     form: Form,
-    st: &[f64x8<S>; 2],
-) -> Jets<S> {
+    st: &[V; 2],
+) -> Jets<V> {
     if form.by_powers {
-        power_sums::jets::<S, T, SECOND>(simd, net, form, st)
+        power_sums::jets::<S, V, T, SECOND>(simd, net, form, st)
     } else if form.highest_degree() < 8 {
-        by_bernstein::<S, T, SECOND, 8>(simd, net, form, st)
+        by_bernstein::<S, V, T, SECOND, 8>(simd, net, form, st)
     } else {
-        by_bernstein::<S, T, SECOND, { MAX_DEGREE + 1 }>(simd, net, form, st)
+        by_bernstein::<S, V, T, SECOND, { MAX_DEGREE + 1 }>(simd, net, form, st)
     }
 }
 
@@ -32,25 +33,32 @@ pub(crate) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
 /// much stack, which takes time even where it is not used.
 #[inline(never)]
 #[simd]
-fn by_bernstein<S: Simd, T: Net<S>, const SECOND: bool, const N: usize>(
+fn by_bernstein<S: Simd, V: Reals<S>, T: Net<S, V>, const SECOND: bool, const N: usize>(
     simd: S,
     net: &T,
     form: Form,
-    st: &[f64x8<S>; 2],
-) -> Jets<S> {
-    with_numbers!(form, |C| jets_of::<S, T, SECOND, N, C>(simd, net, form.degree(), st))
+    st: &[V; 2],
+) -> Jets<V> {
+    with_numbers!(form, |C| jets_of::<S, V, T, SECOND, N, C>(simd, net, form.degree(), st))
 }
 
 /// [`jets`] for any degree below `N` and `C` components: four for rational surfaces, else three.
 #[simd]
-fn jets_of<S: Simd, T: Net<S>, const SECOND: bool, const N: usize, const C: usize>(
+fn jets_of<
+    S: Simd,
+    V: Reals<S>,
+    T: Net<S, V>,
+    const SECOND: bool,
+    const N: usize,
+    const C: usize,
+>(
     simd: S,
     net: &T,
     [p, q]: [usize; 2],
-    st: &[f64x8<S>; 2],
-) -> Jets<S> {
-    let [in_s, in_t] = [basis::<S, N>(simd, p, st[0]), basis::<S, N>(simd, q, st[1])];
-    let zero = [f64x8::splat(simd, 0.0); C];
+    st: &[V; 2],
+) -> Jets<V> {
+    let [in_s, in_t] = [basis::<S, V, N>(simd, p, st[0]), basis::<S, V, N>(simd, q, st[1])];
+    let zero = [V::splat(simd, 0.0); C];
     let mut sums = Sums { value: zero, first: [zero; 2], second: [zero; 3] };
     for i in 0..=p {
         let row = net.row(i, C * (q + 1));
@@ -79,21 +87,21 @@ fn jets_of<S: Simd, T: Net<S>, const SECOND: bool, const N: usize, const C: usiz
             tt[c] = in_s.values[i].mul_add(bend[c], tt[c]);
         }
     }
-    in_space::<S, T, SECOND, C>(simd, net, &sums)
+    in_space::<S, V, T, SECOND, C>(simd, net, &sums)
 }
 
 /// Bernstein functions, their first and second derivatives.
-struct Basis<S: Simd, const N: usize> {
-    values: [f64x8<S>; N],
-    slopes: [f64x8<S>; N],
-    bends: [f64x8<S>; N],
+struct Basis<V, const N: usize> {
+    values: [V; N],
+    slopes: [V; N],
+    bends: [V; N],
 }
 
 /// Bernstein functions of a degree and their derivatives, by the recurrence from the functions of
 /// one degree less and two less.
 #[simd]
-fn basis<S: Simd, const N: usize>(simd: S, degree: usize, t: f64x8<S>) -> Basis<S, N> {
-    let (zero, one) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
+fn basis<S: Simd, V: Reals<S>, const N: usize>(simd: S, degree: usize, t: V) -> Basis<V, N> {
+    let (zero, one) = (V::splat(simd, 0.0), V::splat(simd, 1.0));
     let rest = one - t;
     let mut basis = Basis { values: [zero; N], slopes: [zero; N], bends: [zero; N] };
     let Basis { values, slopes, bends } = &mut basis;
@@ -103,7 +111,7 @@ fn basis<S: Simd, const N: usize>(simd: S, degree: usize, t: f64x8<S>) -> Basis<
         let (mut lowest, mut power) = ([zero; N], one);
         let binomials = binomials(degree - 2);
         for i in 0..degree - 1 {
-            lowest[i] = power * f64x8::splat(simd, binomials[i]);
+            lowest[i] = power * V::splat(simd, binomials[i]);
             power *= t;
         }
         power = one;
@@ -111,7 +119,7 @@ fn basis<S: Simd, const N: usize>(simd: S, degree: usize, t: f64x8<S>) -> Basis<
             lowest[i] *= power;
             power *= rest;
         }
-        let factor = f64x8::splat(simd, (degree * (degree - 1)) as f64);
+        let factor = V::splat(simd, (degree * (degree - 1)) as f64);
         let (mut before, mut two_before) = (zero, zero);
         for i in 0..=degree {
             let here = if i < degree - 1 { lowest[i] } else { zero };
@@ -122,7 +130,7 @@ fn basis<S: Simd, const N: usize>(simd: S, degree: usize, t: f64x8<S>) -> Basis<
             (two_before, before) = (before, here);
         }
     }
-    let p = f64x8::splat(simd, degree as f64);
+    let p = V::splat(simd, degree as f64);
     let mut before = zero;
     for i in 0..=degree {
         let here = if i < degree { lower[i] } else { zero };

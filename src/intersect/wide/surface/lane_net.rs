@@ -243,7 +243,7 @@ fn in_lanes<S: Simd, const N: usize>(
     shares
 }
 
-impl<S: Simd> Net<S> for LaneNet {
+impl<S: Simd> Net<S, f64x8<S>> for LaneNet {
     type Row<'a> = &'a [[f64; 8]];
 
     #[inline(always)]

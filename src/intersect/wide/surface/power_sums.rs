@@ -1,23 +1,24 @@
-//! Evaluates the true surface at eight places, in f64, by powers about the middle of its pieces
+//! Evaluates the true surface at some places, in f64, by powers about the middle of its pieces
 //! (Horner): the jets of [`jets`](super::jets) in less than half as many operations, for degrees up
 //! to seven.
 
-use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
+use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
 use super::form::{Form, with_degrees};
 use super::sums::{Jets, Net, Sums, in_space};
+use crate::intersect::wide::vectors::Reals;
 
 /// [`jets`](super::jets::jets), with unrolled loops for the most common degrees.
 #[simd]
-pub(super) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
+pub(super) fn jets<S: Simd, V: Reals<S>, T: Net<S, V>, const SECOND: bool>(
     simd: S,
     net: &T,
     form: Form,
-    st: &[f64x8<S>; 2],
-) -> Jets<S> {
+    st: &[V; 2],
+) -> Jets<V> {
     let degree = form.degree();
-    with_degrees!(form, |P, Q, C| jets_of::<S, T, SECOND, P, Q, C>(simd, net, degree, st))
+    with_degrees!(form, |P, Q, C| jets_of::<S, V, T, SECOND, P, Q, C>(simd, net, degree, st))
 }
 
 /// [`jets`] for degrees `P` and `Q`, zero standing for any, and `C` components: four for rational
@@ -25,7 +26,8 @@ pub(super) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
 #[simd]
 fn jets_of<
     S: Simd,
-    T: Net<S>,
+    V: Reals<S>,
+    T: Net<S, V>,
     const SECOND: bool,
     const P: usize,
     const Q: usize,
@@ -34,12 +36,12 @@ fn jets_of<
     simd: S,
     net: &T,
     degree: [usize; 2],
-    st: &[f64x8<S>; 2],
-) -> Jets<S> {
+    st: &[V; 2],
+) -> Jets<V> {
     let [p, q] = if P == 0 { degree } else { [P, Q] };
-    let one = f64x8::splat(simd, 1.0);
+    let one = V::splat(simd, 1.0);
     let [x, y] = [st[0] + st[0] - one, st[1] + st[1] - one];
-    let zero = [f64x8::splat(simd, 0.0); C];
+    let zero = [V::splat(simd, 0.0); C];
     // `by_xx` and `by_yy` are half the second derivatives, as in Horner's scheme.
     let [mut value, mut by_x, mut by_y, mut by_xx, mut by_xy, mut by_yy] = [zero; 6];
     for i in (0..=p).rev() {
@@ -71,13 +73,13 @@ fn jets_of<
         }
     }
     // In `x` and `y` the unit square has sides of two.
-    let of = |factor| f64x8::splat(simd, factor);
+    let of = |factor| V::splat(simd, factor);
     let (two, four, eight) = (of(2.0), of(4.0), of(8.0));
     for c in 0..C {
         (by_x[c], by_y[c]) = (by_x[c] * two, by_y[c] * two);
         (by_xx[c], by_xy[c], by_yy[c]) = (by_xx[c] * eight, by_xy[c] * four, by_yy[c] * eight);
     }
-    in_space::<S, T, SECOND, C>(
+    in_space::<S, V, T, SECOND, C>(
         simd,
         net,
         &Sums { value, first: [by_x, by_y], second: [by_xx, by_xy, by_yy] },
@@ -87,13 +89,7 @@ fn jets_of<
 /// The next sum of a derivative in Horner's scheme, after `step` steps, from `lower`, the sum of
 /// one order less. At first the sum is zero, so nothing is multiplied.
 #[inline(always)]
-fn next<S: Simd>(
-    sum: f64x8<S>,
-    x: f64x8<S>,
-    lower: f64x8<S>,
-    step: usize,
-    order: usize,
-) -> f64x8<S> {
+fn next<S: Simd, V: Reals<S>>(sum: V, x: V, lower: V, step: usize, order: usize) -> V {
     if step + 1 < order {
         sum
     } else if step + 1 == order {
@@ -107,6 +103,7 @@ fn next<S: Simd>(
 mod tests {
     use std::cell::Cell;
 
+    use fearless_simd::{SimdBase, f64x8};
     use glam::{DVec2, DVec3, DVec4};
     use proptest::prelude::*;
 
@@ -164,8 +161,8 @@ mod tests {
                 }
                 let net = OneNet { patch, net: nets.net_of(simd, 0, patch) };
                 let form = Form::of(patch);
-                let jets = jets::jets::<_, _, true>(simd, &net, form, &st);
-                let firsts = jets::jets::<_, _, false>(simd, &net, form, &st);
+                let jets = jets::jets::<_, _, _, true>(simd, &net, form, &st);
+                let firsts = jets::jets::<_, _, _, false>(simd, &net, form, &st);
                 assert_eq!(bits(&jets.point), bits(&firsts.point));
                 assert_eq!(jets.first.each_ref().map(bits), firsts.first.each_ref().map(bits));
                 for (lane, &place) in places.iter().enumerate() {
