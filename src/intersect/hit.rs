@@ -23,12 +23,14 @@ pub struct Hit {
     pub flags: HitFlags,
     /// The surface parameters, in the surface's own knot domain.
     pub uv: DVec2,
-    /// The point on the surface, `S(u, v)`.
+    /// The point on the surface: `S(u, v)` for the parameters before they were rounded to
+    /// [`uv`](Self::uv).
     pub point: DVec3,
     /// The unit normal `S_u × S_v / |S_u × S_v|`, not turned towards the ray; NaN where it is
     /// undefined (then [`HitFlags::NO_NORMAL`] is set). It is the normal at `(u, v)` to within a
-    /// few roundings (in packets to 5e-12), beside poles too. Only half of its digits are sure
-    /// beside collapsed sides that meet, or where all paths from a pole start in one direction.
+    /// few roundings (in packets to 5e-12), beside poles too; on a crease it is that of either side.
+    /// Only half of its digits are sure beside collapsed sides that meet, or where all paths from a
+    /// pole start in one direction.
     pub normal: DVec3,
     /// The root that secondary rays leaving this hit start on.
     pub root: Root,

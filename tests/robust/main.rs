@@ -15,6 +15,7 @@ mod corners;
 mod creases;
 mod edges;
 mod far;
+mod from_afar;
 mod halving;
 mod hard;
 mod inside;

@@ -50,8 +50,10 @@ pub(crate) fn accept(
     let on_ray = on_ray(placed, question.ray, solution, known)?;
     let mut candidate = Candidate::new(question, placed.leaf, solution, on_ray);
     candidate.keep_to_trims()?;
-    candidate.leave_start()?;
-    candidate.leave_edge()?;
+    if candidate.may_be_in_range() {
+        candidate.leave_start()?;
+        candidate.leave_edge()?;
+    }
     candidate.stay_in_range()?;
     if candidate.trims == AtTrims::JustCutOff {
         return Err(Dropped::from(candidate.on_ray.z, question.ray));
@@ -309,6 +311,13 @@ impl<'a> Candidate<'a> {
         if is_in_doubt { Err(Dropped::InDoubt(0.0)) } else { Ok(()) }
     }
 
+    /// Whether the place may lie in the ray's range, given how far off it may be.
+    fn may_be_in_range(&self) -> bool {
+        let [t, t_error] = [self.on_ray.z, self.z_error].map(|z| z * self.question.ray.t_from_z);
+        let [t_min, t_max] = self.question.t_range;
+        t + t_error >= t_min && t - t_error <= t_max
+    }
+
     /// Drops what lies outside the ray's range. At the ends of the range, and at trim edges that
     /// are met at a small angle, the result is doubtful.
     fn stay_in_range(&mut self) -> Result<(), Dropped> {
@@ -526,9 +535,13 @@ fn error_along(evidence: Evidence, error: f64, (z, cosine): (f64, f64)) -> f64 {
 fn start_reach(evidence: Evidence, error: f64, z_error: f64, cosine: f64) -> f64 {
     match evidence {
         Evidence::Contact([from, to]) => z_error.max(steep(error, cosine).min(to - from + error)),
-        _ => z_error,
+        _ => START_SPARE * z_error,
     }
 }
+
+/// A solution has passed for one on the ray by its computed distance, and so may be a little
+/// farther off than its error bound.
+const START_SPARE: f64 = 2.0;
 
 /// Error bound of a crossing along the ray.
 fn steep(error: f64, cosine: f64) -> f64 {

@@ -49,9 +49,12 @@ impl<'a> Start<'a> {
         let piece = &set.pieces()[root.piece as usize];
         let jet = piece.patch.jet(root.st);
         let cosine = piece.normal(root.st, &jet).map_or(0.0, |normal| normal.dot(ray.axis));
-        // A quotient that is not a number counts for nothing.
-        let error = root.error.min(Root::START_OFF * root.across() / cosine.abs());
         let rounding = piece.patch.error_bound(ray.magnitude);
+        // The ray that found the root may have come from far away: then the point that is left may
+        // be known far better than that ray's bound says. A quotient that is not a number counts
+        // for nothing.
+        let across = root.across().min(jet.point.distance(ray.origin) + rounding);
+        let error = root.error.min(Root::START_OFF * across / cosine.abs());
         Self { root, piece, jet, cosine, error, rounding }
     }
 

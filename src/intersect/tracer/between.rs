@@ -31,11 +31,22 @@ impl Tracer<'_> {
         let Some(met) = answer.hit.filter(|hit| hit.t < 1.0) else {
             return Occlusion { occluded: false, doubtful: answer.doubtful };
         };
-        match Met::of(&met, to, &ray) {
+        match Met::of(&met, to, self.across(to), &ray) {
             Met::End => Occlusion { occluded: false, doubtful: answer.doubtful },
             Met::PerhapsEnd => Occlusion { occluded: true, doubtful: true },
             Met::Elsewhere => Occlusion { occluded: true, doubtful: answer.doubtful },
         }
+    }
+
+    /// How far the point of a hit may be off its surface: if that is one of ours, no more than
+    /// rounding, from however far away it was found.
+    fn across(&self, hit: &Hit) -> f64 {
+        let (root, set) = (&hit.root, &self.bvh.set);
+        let own = (root.set == set.id()).then(|| {
+            let patch = &set.pieces()[root.piece as usize].patch;
+            patch.error_bound(hit.point.abs().max_element())
+        });
+        own.map_or(root.across(), |own| own.min(root.across()))
     }
 }
 
@@ -49,12 +60,13 @@ enum Met {
 }
 
 impl Met {
-    fn of(met: &Hit, to: &Hit, ray: &Ray) -> Self {
+    /// The point of `to` may be as far off its surface as `across`.
+    fn of(met: &Hit, to: &Hit, across: f64, ray: &Ray) -> Self {
         // The ray's direction is off by the rounding of both points.
         let size = ray.origin().abs().max(to.point.abs()).max_element();
         let rounding = 4.0 * f64::EPSILON * size;
         let off = met.point - to.point;
-        let reach = 2.0 * (met.root.across() + to.root.across()) + rounding;
+        let reach = 2.0 * (met.root.across() + across) + rounding;
         if to.normal.is_nan() || met.normal.is_nan() {
             let farthest = 2.0 * (met.root.error + to.root.error) + rounding;
             return match off.length() {
@@ -141,6 +153,33 @@ mod tests {
         let open = SurfaceBvh::build(&[spike(), disk(4.0)]).unwrap();
         let seen = open.tracer().occluded_between(&from, &tip);
         assert!(!seen.occluded || seen.doubtful, "{seen:?}");
+    }
+
+    /// A hit's ray may have come from so far away that it was off by more than there is between two
+    /// layers; the hit's point is known better.
+    #[test]
+    fn a_layer_hides_a_hit_that_was_found_from_afar() {
+        let at = |z: f64| {
+            let lifted = DAffine3::from_translation(z * DVec3::Z);
+            shapes::plane(2.0, 2.0).unwrap().transformed(&lifted).unwrap()
+        };
+        for distance in [1.0, 1e3, 1e6, 1e9] {
+            for gap in [1e-3, 1e-6, 1e-9, 1e-12] {
+                let bvh = SurfaceBvh::build(&[at(0.0), at(gap), at(1.0)]).unwrap();
+                let below = DVec3::new(0.1, 0.2, -distance);
+                let to = hit(&bvh, below, below + DVec3::Z).unwrap();
+                let above = DVec3::new(-0.3, 0.1, 2.0);
+                let from = hit(&bvh, above, above - DVec3::Z).unwrap();
+                assert_eq!((to.surface, from.surface), (0, 2));
+                let mut tracer = bvh.tracer();
+                for seen in
+                    [tracer.occluded_between(&from, &to), tracer.occluded_between(&to, &from)]
+                {
+                    let hidden = Occlusion { occluded: true, doubtful: false };
+                    assert_eq!(seen, hidden, "{distance:e}, {gap:e}");
+                }
+            }
+        }
     }
 
     proptest! {
