@@ -389,7 +389,7 @@ impl<'a> Reader<'a> {
     fn note_ignored(&mut self, entry: &Entry<'a>) {
         if is_set(entry.item.reversed) {
             let why = "\"reversed\" left out: (u, v) and the normal stay as written; \
-                       reverse = true in a scene turns it";
+                       reverse = true in a scene turns all surfaces of the file";
             self.note(entry, "surface", why.to_owned());
         }
     }

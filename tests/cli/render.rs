@@ -109,7 +109,8 @@ fn what_is_not_shown_warns() {
         assert_eq!(
             sandbox.run(line).succeeded().stderr,
             "warning: not imported: square.json:5:7: surface \"square\": \"reversed\" left \
-             out: (u, v) and the normal stay as written; reverse = true in a scene turns it\n"
+             out: (u, v) and the normal stay as written; reverse = true in a scene turns \
+             all surfaces of the file\n"
         );
     }
 }

@@ -6,7 +6,7 @@ use super::compatible::compatible;
 use super::fold::check_fold;
 use super::net_size::net_size;
 use super::{ConstructError, CoonsCorner};
-use crate::geometry::{Direction, KnotVector, NurbsCurve, NurbsSurface};
+use crate::geometry::{Direction, KnotVector, NurbsCurve, NurbsSurface, Span};
 
 /// The four borders of a Coons patch. Each is named by the parameter that is fixed there, and
 /// runs in the direction in which the other one grows.
@@ -51,14 +51,53 @@ const SAME_WEIGHT: f64 = 4.0 * f64::EPSILON;
 /// # Errors
 /// When two borders do not end in the same point (within rounding of their coordinates); when two
 /// opposite borders run back over themselves and so does everything between them (it need not where
-/// the other two borders part); or when weights inside the patch would not be positive, which
-/// borders of very small weights may cause.
+/// the other two borders part); or when weights inside the patch would not be positive, as where
+/// cubic borders have weights below 1/3 inside. (Where only those of control points would not be,
+/// spans of the borders are halved until they are.)
 pub fn coons(borders: &Borders) -> Result<NurbsSurface, ConstructError> {
     let Borders { u0, u1, v0, v1 } = borders;
     check_corners(borders)?;
-    let along_u = unit_pair([v0, v1], "v")?;
-    let along_v = unit_pair([u0, u1], "u")?;
-    let (knots_u, knots_v) = (along_u[0].knots().clone(), along_v[0].knots().clone());
+    let mut along_u = unit_pair([v0, v1], "v")?;
+    let mut along_v = unit_pair([u0, u1], "u")?;
+    let mut net = blended(&along_u, &along_v)?;
+    for _ in 0..HALVINGS {
+        if net.iter().all(|point| point.w > 0.0) {
+            break;
+        }
+        (along_u, along_v) = (halved(&along_u, "v")?, halved(&along_v, "u")?);
+        net = blended(&along_u, &along_v)?;
+    }
+    let [knots_u, knots_v] = [&along_u, &along_v].map(|pair| pair[0].knots().clone());
+    let patch = NurbsSurface::from_homogeneous(knots_u, knots_v, net)?;
+    check_folds(borders, &patch)?;
+    Ok(patch)
+}
+
+/// How often spans are halved for the sake of positive weights: each time brings the weights of
+/// control points four times as near to the surface's own.
+const HALVINGS: usize = 5;
+
+/// A pair of borders of one name with a knot in the middle of each span.
+fn halved(pair: &[NurbsCurve; 2], name: &str) -> Result<[NurbsCurve; 2], ConstructError> {
+    let mut halved = pair.clone();
+    for Span { start, end, .. } in pair[0].knots().spans() {
+        let middle = 0.5 * (start + end);
+        if !(start < middle && middle < end) {
+            continue; // neighbouring numbers
+        }
+        for (k, curve) in halved.iter_mut().enumerate() {
+            let named = ConstructError::of(format!("border {name}{k}"));
+            *curve = curve.insert_knot(middle, 1).map_err(named)?;
+        }
+    }
+    Ok(halved)
+}
+
+/// The net of the patch between two borders along `u` and two along `v`.
+fn blended(
+    along_u: &[NurbsCurve; 2],
+    along_v: &[NurbsCurve; 2],
+) -> Result<Vec<DVec4>, ConstructError> {
     let [c0, c1] = along_u.each_ref().map(|curve| curve.control());
     let [mut d0, mut d1] = along_v.each_ref().map(|curve| curve.control().to_vec());
 
@@ -68,7 +107,7 @@ pub fn coons(borders: &Borders) -> Result<NurbsSurface, ConstructError> {
     [d0[0], d0[last_j]] = corners[0];
     [d1[0], d1[last_j]] = corners[1];
 
-    let (shares_u, shares_v) = (greville(&knots_u), greville(&knots_v));
+    let (shares_u, shares_v) = (greville(along_u[0].knots()), greville(along_v[0].knots()));
     let mut net = Vec::with_capacity(net_size(c0.len(), d0.len())?);
     for (i, &mu) in shares_u.iter().enumerate() {
         for (j, &nu) in shares_v.iter().enumerate() {
@@ -85,9 +124,7 @@ pub fn coons(borders: &Borders) -> Result<NurbsSurface, ConstructError> {
             });
         }
     }
-    let patch = NurbsSurface::from_homogeneous(knots_u, knots_v, net)?;
-    check_folds(borders, &patch)?;
-    Ok(patch)
+    Ok(net)
 }
 
 /// The parameters at which lines between two borders are checked for folds: no places that borders
@@ -276,6 +313,45 @@ mod tests {
             let t = lambda * s / (1.0 - s + lambda * s);
             assert!(unit.point_at(s).distance(curve.point_at(t)) < 1e-14, "{s}");
         }
+    }
+
+    /// Quadratic borders whose middle weights add up to less than those of the corners.
+    #[test]
+    fn small_weights_inside_borders_are_no_obstacle() {
+        let arc = |[from, to]: [DVec3; 2], lift: f64, inside: &[f64]| {
+            let middle = 0.5 * (from + to) + lift * DVec3::Z;
+            let points = [&[from], &vec![middle; inside.len()][..], &[to]].concat();
+            let weights = [&[1.0], inside, &[1.0]].concat();
+            let knots = KnotVector::bezier(1 + inside.len()).unwrap();
+            NurbsCurve::new(knots, points, Some(weights)).unwrap()
+        };
+        let [a, b, c, d] =
+            [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
+        let borders = |inside: &[f64]| Borders {
+            v0: arc([a, b], 0.4, inside),
+            v1: arc([c, d], 0.3, inside),
+            u0: arc([a, c], 0.2, inside),
+            u1: arc([b, d], 0.1, inside),
+        };
+        for weight in [0.1, 0.3, 0.5, 0.7] {
+            let all = borders(&[weight]);
+            let patch = coons(&all).unwrap();
+            assert_eq!(patch.knots_u().spans().count() == 1, weight > 0.5, "{weight}");
+            for k in 0..=20 {
+                let t = f64::from(k) / 20.0;
+                for (uv, border) in [
+                    (DVec2::new(t, 0.0), &all.v0),
+                    (DVec2::new(t, 1.0), &all.v1),
+                    (DVec2::new(0.0, t), &all.u0),
+                    (DVec2::new(1.0, t), &all.u1),
+                ] {
+                    assert!(patch.point_at(uv).distance(border.point_at(t)) < 1e-14, "{uv}");
+                }
+            }
+        }
+        // Here the surface's own weight in the middle is 2 · 0.325 − 1.
+        let message = coons(&borders(&[0.1; 2])).unwrap_err().to_string();
+        assert!(message.contains("the weight of control point"), "{message}");
     }
 
     #[test]

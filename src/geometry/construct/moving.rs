@@ -7,7 +7,7 @@ use super::frames::{Frame, PieceFrames};
 use super::net_size::net_size;
 use super::path::{SAME_DIRECTION, angle};
 use super::sweep_options::{FOLD_SAMPLES, Sweep, SweepOptions};
-use crate::geometry::{KnotVector, NurbsCurve, NurbsSurface, bernstein};
+use crate::geometry::{KnotVector, NurbsCurve, NurbsSurface, Span, bernstein};
 
 /// An affine frame, which carries `(x, y, z)` of the profile to
 /// `origin + x axes[0] + y axes[1] + z axes[2]`; or the derivative of one.
@@ -119,9 +119,7 @@ impl MovingFrames {
     /// curvature. Between the samples, that place is searched for around those that are the
     /// farthest among their neighbours.
     pub(crate) fn check_folds(&self, profile: &NurbsCurve) -> Result<(), ConstructError> {
-        let [start, end] = profile.domain();
-        let at = |k: usize| start + (end - start) * k as f64 / FOLD_SAMPLES as f64;
-        let points: Vec<DVec3> = (0..=FOLD_SAMPLES).map(|k| profile.point_at(at(k))).collect();
+        let points = sampled(profile);
         let mut looked_at = Vec::with_capacity(self.pieces.len());
         for piece in &self.pieces {
             let bends = (0..=FOLD_SAMPLES).map(|k| self.bend(piece, k as f64, &points));
@@ -203,6 +201,17 @@ impl MovingFrames {
     }
 }
 
+/// Points all along a profile, some of them in every span, however short it is.
+pub(super) fn sampled(profile: &NurbsCurve) -> Vec<DVec3> {
+    let spans: Vec<Span> = profile.knots().spans().collect();
+    let each = FOLD_SAMPLES.div_ceil(spans.len()).max(LEAST_IN_SPAN);
+    let shares = (0..each).map(|k| k as f64 / each as f64);
+    let inside = spans.iter().flat_map(|span| {
+        shares.clone().map(move |share| span.start + share * (span.end - span.start))
+    });
+    inside.chain([profile.domain()[1]]).map(|t| profile.point_at(t)).collect()
+}
+
 /// How a path bends at a place.
 #[derive(Clone, Copy, Debug)]
 struct Bend {
@@ -243,7 +252,8 @@ const INSIDE: f64 = 1.0 / 1024.0;
 /// objects to rounding error.
 const MAX_PIECES: usize = 4096;
 
-/// The number of places inside each piece at which the deviation is measured.
+/// The least number of places inside each piece at which the deviation is measured. There are more
+/// if the path and the scale have high degrees: their polynomials cannot vanish at all of them.
 const PLACES: usize = 7;
 
 /// An estimate of the largest distance along a piece, as a multiple of the largest at those places.
@@ -251,6 +261,9 @@ const PLACES: usize = 7;
 /// middle of the piece; if the factor changes sign there, the largest error is 1.02 times that at
 /// the places. It is no proved bound, as the factor may change more often.
 const BETWEEN: f64 = 1.125;
+
+/// The least number of points sampled in each span of a profile.
+const LEAST_IN_SPAN: usize = 8;
 
 /// The sweep approximated by cubic pieces that have the true frames and derivatives at their ends
 /// (Hermite), halved until they are near enough.
@@ -327,8 +340,10 @@ fn hermite(
         last,
     ];
     let mut off: f64 = 0.0;
-    for k in 1..=PLACES {
-        let share = k as f64 / (PLACES + 1) as f64;
+    let degrees = piece.curve.degree() + frames.scale.len() - 1;
+    let places = PLACES.max(2 * degrees + 1);
+    for k in 1..=places {
+        let share = k as f64 / (places + 1) as f64;
         let (true_one, _) = frames.at(piece, a + share * (b - a))?;
         let basis = bernstein(3, share).unwrap_or([f64::NAN; crate::geometry::MAX_DEGREE + 1]);
         let ours = points.iter().map(|&p| {

@@ -5,11 +5,10 @@ use glam::{DVec3, DVec4};
 use super::compatible::compatible;
 use super::fold::{check_fold, check_moved};
 use super::frames::Frame;
-use super::moving::{MovingFrames, approximate};
+use super::moving::{MovingFrames, approximate, sampled};
 use super::net_size::net_size;
 use super::path::{OnCircle, is_straight, kinks};
 use super::stops::without_stops;
-use super::sweep_options::FOLD_SAMPLES;
 use super::{ConstructError, MAX_SCALES, Sweep, SweepOptions};
 use crate::geometry::curve::SAME_PLACE;
 use crate::geometry::knots::unit_knots;
@@ -186,12 +185,8 @@ fn along_a_circle(
         let offset = p.x * frame.normal + p.y * frame.side() + p.z * frame.tangent;
         frame.origin + factor * offset - circle.center
     };
-    let [start, end] = profile.domain();
-    let across = |share: usize| {
-        let t = start + (end - start) * share as f64 / FOLD_SAMPLES as f64;
-        place(profile.point_at(t)).dot(circle.across)
-    };
-    let nearest = (0..=FOLD_SAMPLES).map(across).fold(f64::INFINITY, f64::min);
+    let across = sampled(profile).into_iter().map(|point| place(point).dot(circle.across));
+    let nearest = across.fold(f64::INFINITY, f64::min);
     let radius = circle.radius;
     if nearest <= SAME_PLACE * radius {
         let reach = radius - nearest;

@@ -38,13 +38,13 @@ pub struct Sweep {
     pub surface: NurbsSurface,
     /// 0 where the surface is exact, else a measured estimate of its largest distance from the true
     /// sweep at the same parameters, in scene units: 9/8 of the largest distance found at seven
-    /// places of each piece along the path, for all of the profile's control points. It is not a
-    /// proved bound. Never more than the tolerance.
+    /// places of each piece along the path (more, if path and scale have high degrees), for all of
+    /// the profile's control points. It is not a proved bound. Never more than the tolerance.
     pub deviation: f64,
 }
 
 /// The most coefficients of a scale: those of a Bézier polynomial of the largest degree.
 pub const MAX_SCALES: usize = MAX_DEGREE + 1;
 
-/// The number of steps in which a profile is sampled to find whether the sweep folds.
+/// The least number of steps in which a profile is sampled to find whether the sweep folds.
 pub(crate) const FOLD_SAMPLES: usize = 64;

@@ -120,7 +120,7 @@ fn what_is_left_out_is_noted() {
             "m.json:4:1: free-form points \"m/2\": points alone are no surface",
             "m.json:5:1: surface \"m/lid\": its points have 2 coordinates, surfaces in space need 3",
             "m.json:14:1: surface \"m/lid\": \"reversed\" left out: (u, v) and the normal stay as \
-             written; reverse = true in a scene turns it",
+             written; reverse = true in a scene turns all surfaces of the file",
             "m.json:23:1: surface \"m/lid\": \"rational\" is false, but its weights differ: they are \
              used",
         ]
