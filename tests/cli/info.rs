@@ -284,7 +284,7 @@ fn surfaces_turned_opposite_ways_are_named() {
     assert_eq!((&pair["at"][0], &pair["at"][2]), (&json!(0.0), &json!(0.0)));
     assert_eq!(json["borders"]["meeting"], 2);
     let text = sandbox.run("info torn.toml").succeeded().stdout;
-    let named = "\n1 of 1 pair of meeting borders with surfaces turned opposite ways:\n  \
+    let named = "\n1 of 1 pair of borders that meet, or nearly, with surfaces turned opposite ways:\n  \
                  0 left, u = 1  | 1 right, v = 0  at (0, ";
     assert!(text.contains(named), "{text}");
     assert!(text.contains("`reverse = true` turns all surfaces of an object\n"), "{text}");
@@ -294,7 +294,7 @@ fn surfaces_turned_opposite_ways_are_named() {
     let text = sandbox.run("info mended.toml").succeeded().stdout;
     assert!(
         text.contains(
-            "\n1 pair of meeting borders with surfaces turned alike, none opposite ways\n"
+            "\n1 pair of borders that meet, or nearly, with surfaces turned alike, none opposite ways\n"
         ),
         "{text}"
     );

@@ -336,7 +336,8 @@ against each other, at whatever angle the surfaces meet. Closed models need
 that: at other borders `cast --all` has too many crossings, or too few.
 `reverse = true` turns all surfaces of an object; one surface that meets itself
 so has parts turned opposite ways or, as a Moebius strip, one side only. Judged
-are stretches along which two borders meet to within rounding, and no third.
+are stretches along which two borders meet to within rounding, or to within
+1e-2 of the distance at which they nearly meet (see gaps), and no third one.
 Surfaces that lie on each other there, and parts of one tube, ribbon or net, are
 not judged.
 

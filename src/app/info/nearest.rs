@@ -28,6 +28,10 @@ pub(super) const KEPT: usize = 4;
 /// from those three, and from samples between, come first, and mostly hide all the rest.
 const HIDDEN: usize = 16;
 
+/// Curves run together if they are no farther apart than this part of the distance at which they
+/// nearly meet.
+const TOGETHER: f64 = 0.01;
+
 /// What was seen from the samples of a curve.
 #[derive(Debug, Default)]
 pub(super) struct View {
@@ -94,14 +98,21 @@ impl<'a> Crowd<'a> {
         (0..self.edges.curves.len()).into_par_iter().map(|curve| self.view(curve)).collect()
     }
 
-    /// The other curve that meets a curve at one of its samples, and where; `None` if none does,
-    /// or several do.
-    pub(super) fn only_met(&self, [curve, sample]: [usize; 2]) -> Option<(usize, Foot)> {
+    /// How near two curves must be to run together: within rounding, or so much nearer than those
+    /// that nearly meet that hardly anything else can be meant. (Edges of CAD files, each computed
+    /// from its own face, mostly agree to a millionth of the model or better.)
+    pub(super) fn together(&self, pair: [usize; 2]) -> f64 {
+        self.edges.rounding(pair).max(TOGETHER * self.nearness.of(pair))
+    }
+
+    /// The other curve that runs together with a curve at one of its samples, and where; `None` if
+    /// none does, or several do.
+    pub(super) fn only_beside(&self, [curve, sample]: [usize; 2]) -> Option<(usize, Foot)> {
         let from = &self.edges.curves[curve].1.samples()[sample];
         if !from.kept {
             return None;
         }
-        let reach = self.edges.most_rounding();
+        let reach = self.edges.most_rounding().max(TOGETHER * self.nearness.reach(curve));
         let (mut met, mut waiting) = (None, vec![0]);
         while let Some(node) = waiting.pop() {
             if self.waiting(node, from.point, reach).is_none() {
@@ -120,9 +131,8 @@ impl<'a> Crowd<'a> {
             }
             let near = self.nearness.of([curve, other]);
             let foot = self.edges.curves[other].1.nearest(from.point, near);
-            let Some(foot) = foot.filter(|&foot| self.meets([curve, other], foot)) else {
-                continue;
-            };
+            let together = self.together([curve, other]);
+            let Some(foot) = foot.filter(|foot| foot.distance <= together) else { continue };
             if met.is_some() {
                 return None;
             }

@@ -192,11 +192,11 @@ fn turned(fit: &Fit, facts: &Facts) -> String {
     let judged = count(*judged as u64, "pair");
     if opposite.is_empty() {
         return format!(
-            "{judged} of meeting borders with surfaces turned alike, none opposite ways\n"
+            "{judged} of borders that meet, or nearly, with surfaces turned alike, none opposite ways\n"
         );
     }
     let mut text = format!(
-        "{} of {judged} of meeting borders with surfaces turned opposite ways:\n",
+        "{} of {judged} of borders that meet, or nearly, with surfaces turned opposite ways:\n",
         opposite.len()
     );
     let row = |pair: &Turned| {

@@ -1,6 +1,6 @@
-//! Borders that meet although their surfaces are turned opposite ways: there, a ray that enters a
-//! closed model through one surface and one that enters through the other have different signs of
-//! N·d, and crossings are counted wrong.
+//! Borders that run together although their surfaces are turned opposite ways: there, a ray that
+//! enters a closed model through one surface and one that enters through the other have different
+//! signs of N·d, and crossings are counted wrong.
 
 use std::collections::BTreeMap;
 
@@ -11,20 +11,21 @@ use super::around::Turn;
 use super::edges::{Edge, Edges};
 use super::nearest::Crowd;
 
-/// Samples no farther apart than so many error bounds of their points say nothing about where a
-/// curve runs.
+/// Samples no farther apart than so many distances at which curves run together say nothing about
+/// where a curve runs.
 const APART: f64 = 16.0;
 
-/// Two borders that meet, of surfaces turned opposite ways.
+/// Two borders that run together, of surfaces turned opposite ways.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Turned {
     /// The borders, in the order of the surfaces.
     pub(crate) edges: [Edge; 2],
-    /// A point where they meet.
+    /// A point where they do.
     pub(crate) at: DVec3,
 }
 
-/// How the surfaces are turned where two borders, and no more, meet.
+/// How the surfaces are turned where two borders, and no more, run together: where they meet, or
+/// nearly (see [`Crowd::together`]).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Turns {
     /// In how many pairs of borders this can be told.
@@ -33,7 +34,7 @@ pub(crate) struct Turns {
     pub(crate) opposite: Vec<Turned>,
 }
 
-/// What the places tell at which two curves meet.
+/// What the places tell at which two curves run together.
 #[derive(Default)]
 struct Votes {
     alike: usize,
@@ -42,9 +43,9 @@ struct Votes {
 }
 
 impl Turns {
-    /// Judges the pairs of borders and trim edges that count and that meet along a stretch on which
-    /// no third one does. Where three or more surfaces meet, no two of them belong together more
-    /// than others.
+    /// Judges the pairs of borders and trim edges that count and that run together along a stretch
+    /// on which no third one does. Where three or more surfaces meet, no two of them belong together
+    /// more than others.
     pub(super) fn of(crowd: &Crowd<'_>, counts: impl Fn([Edge; 2]) -> bool) -> Self {
         let curves = &crowd.edges.curves;
         let all = (0..curves.len()).into_par_iter();
@@ -76,17 +77,17 @@ impl Turns {
     }
 }
 
-/// The curves that a curve meets from one sample to the next, each time alone: which, how the
-/// surfaces are turned, and where.
+/// The curves that run together with a curve from one sample to the next, each time alone: which,
+/// how the surfaces are turned, and where.
 fn turns(crowd: &Crowd<'_>, curve: usize) -> Vec<(usize, Turn, DVec3)> {
     let Edges { curves, .. } = crowd.edges;
     let own = &curves[curve].1;
     let samples = own.samples();
-    let met: Vec<_> = (0..samples.len()).map(|k| crowd.only_met([curve, k])).collect();
+    let met: Vec<_> = (0..samples.len()).map(|k| crowd.only_beside([curve, k])).collect();
     let judged = |k: usize| {
         let ((other, foot), (next, _)) = (met[k]?, met[k + 1]?);
         let way = samples[k].point.distance(samples[k + 1].point);
-        if next != other || way <= APART * crowd.edges.rounding([curve, other]) {
+        if next != other || way <= APART * crowd.together([curve, other]) {
             return None; // they only cross or touch, as far as this tells
         }
         let turn = own.around(samples[k].t)?.turn(&curves[other].1.around(foot.t)?)?;
