@@ -99,7 +99,9 @@
 //! - A hit that is not doubtful is held to its ray: `|S(u, v) − (o + t d)| ≤ C ε M`, or twice that
 //!   at a pole: a ray that passes the pole within that distance meets it. (`C` is not a theorem:
 //!   with weights from 1e-3 to 1e3 a few hits of 220,000 were off by 3 % more, on knot lines 30
-//!   of 772,000 by up to 8 %.)
+//!   of 772,000 by up to 8 %.) So near is [`Hit::point`](intersect::Hit::point); evaluated at the
+//!   reported `u` and `v`, which are rounded, S is off further by as much as their rounding moves
+//!   it: far, where knots are far from 0 compared with their distances, or weights very different.
 //! - Domains are closed: a ray that passes within half of `C ε M` of a border meets it (a steep ray
 //!   as a rule within 0.85 of `C ε M`), and the hit is marked
 //!   [`BORDER`](intersect::HitFlags::BORDER).

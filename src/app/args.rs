@@ -209,8 +209,7 @@ fn threads() -> impl Fn(&str) -> Result<u16, String> + Clone {
 fn kernels() -> impl TypedValueParser<Value = Kernel> {
     let available = Kernel::ALL.iter().filter(|kernel| kernel.is_available());
     let names = available.map(|kernel| kernel.name());
-    // Only names of kernels come this far.
-    PossibleValuesParser::new(names).map(|name| name.parse().unwrap_or_default())
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<Kernel>())
 }
 
 fn integrators() -> impl TypedValueParser<Value = IntegratorKind> {

@@ -81,8 +81,23 @@ pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
     }
 }
 
+/// A ray as `cast` reads it: origin, direction, range.
 fn row(ray: &Ray) -> [f64; 8] {
     let [x, y, z] = ray.origin().to_array();
     let [dx, dy, dz] = ray.direction().to_array();
     [x, y, z, dx, dy, dz, ray.t_min(), ray.t_max()]
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    #[test]
+    fn offenders_are_written_as_rays_are_read() {
+        let (origin, direction) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 5.0, 6.0));
+        let ray = Ray::with_range(origin, direction, 7.0, 8.0).unwrap();
+        assert_eq!(row(&ray), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
+    }
 }

@@ -52,11 +52,11 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<ExitCode, Failure> {
         let summary = report::summary(&arguments.ray_sets(), rows);
         console::print(&format!("\n{summary}"))?;
     }
-    if let Some(path) = &arguments.plot {
-        chart::write(path, &panels).or_failed()?;
-    }
     if panels.iter().all(Vec::is_empty) {
         return Err(Failure::work("nothing was measured: there are no such rays"));
+    }
+    if let Some(path) = &arguments.plot {
+        chart::write(path, &panels).or_failed()?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -147,7 +147,11 @@ pub(crate) fn write(path: &Path, rows: &[Vec<Panel>]) -> Result<(), Error> {
     Ok(write_atomically(path, |file| file.write_all(text.as_bytes()))?)
 }
 
-fn svg(rows: &[Vec<Panel>]) -> Result<String, Error> {
+/// The panels, row by row, as a drawing.
+///
+/// # Errors
+/// When they cannot be drawn.
+pub(crate) fn svg(rows: &[Vec<Panel>]) -> Result<String, Error> {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0).max(1);
     let names = rows.iter().flatten().map(Panel::names).max().unwrap_or(0);
     let height = HEIGHT + LINE * names as u32;

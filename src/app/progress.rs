@@ -158,7 +158,7 @@ fn rate(rays: u64, seconds: f64) -> String {
     }
 }
 
-/// Seconds as people say them: `0.25 s`, `7.1 s`, `3 min 20 s`, `2 h 5 min`.
+/// Seconds as people say them: `7.10 s`, `25.3 s`, `3 min 20 s`, `2 h 5 min`.
 pub(crate) fn duration(seconds: f64) -> String {
     let whole = seconds.round() as u64;
     match whole {

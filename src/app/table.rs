@@ -57,7 +57,7 @@ pub(crate) fn long_point(point: DVec3) -> String {
     format!("({x}, {y}, {z})")
 }
 
-/// `512 B`, `12.3 kB`, `4.56 MB`, in powers of 1000.
+/// `512 B`, `12.3 kB`, `4.6 MB`, in powers of 1000.
 pub(crate) fn short_bytes(bytes: usize) -> String {
     let bytes = bytes as f64;
     match bytes {
@@ -78,7 +78,16 @@ pub(crate) fn three_digits(number: f64) -> String {
     if number == 0.0 {
         return "0".into();
     }
-    let decimals = 2 - number.abs().log10().floor().clamp(-3.0, 2.0) as i32;
+    significant(number, 3, -3)
+}
+
+/// A number to this many digits, or fewer if it is smaller than this power of ten.
+pub(crate) fn significant(number: f64, digits: usize, smallest: i32) -> String {
+    // That of the rounded number: 9.996 has three digits as 10.0.
+    let written = format!("{number:.*e}", digits - 1);
+    let exponent = written.rsplit('e').next().and_then(|exponent| exponent.parse::<i32>().ok());
+    let last = digits as i32 - 1;
+    let decimals = last - exponent.unwrap_or(last).clamp(smallest, last);
     format!("{number:.*}", decimals as usize)
 }
 
@@ -135,7 +144,10 @@ mod tests {
             (0.001234, "0.00123"),
             (0.5, "0.500"),
             (9.876, "9.88"),
+            (9.994, "9.99"),
+            (9.996, "10.0"),
             (12.34, "12.3"),
+            (999.9, "1000"),
             (1234.5, "1234"),
             (0.0, "0"),
         ];

@@ -92,7 +92,7 @@ fn json_has_the_same_classes_on_any_day() {
 }
 
 #[test]
-fn offenders_can_be_cast() {
+fn without_offenders_their_file_has_no_rows_and_can_be_cast() {
     let sandbox = sandbox();
     sandbox.run("audit sphere.toml --rays 500 --offenders bad.npy").succeeded();
     assert_eq!(sandbox.table("bad.npy", 8).row_count(), 0);

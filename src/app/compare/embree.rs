@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use nurbray::intersect::Kernel;
 use nurbray::io::mesh::{GridMesh, TessellationPlan};
-use nurbray::io::{Embree, PacketWidth, write_png};
+use nurbray::io::{Embree, PacketWidth, put_all_in_place, stage_png};
 use nurbray::render::{Film, RenderSettings, render};
 use nurbray::scene::World;
 
@@ -120,24 +120,26 @@ impl Race {
     }
 }
 
-/// Writes everything; the report last, so that a report has its pictures.
+/// Writes everything; then puts all of it in its place, the report last, so that a report has its
+/// pictures.
 fn write(
     folder: &Folder,
     report: &Report<'_>,
     (film, pictures): (&Film, &[Pictures]),
 ) -> Result<(), Failure> {
     folder.make()?;
+    let mut files = Vec::new();
     for (rival, pictures) in report.rivals.iter().zip(pictures) {
-        let write =
-            |file: String, pixels| heat::write(&folder.at(&file), report.size, pixels).or_failed();
-        write(position_file(rival.tolerance), &pictures.position)?;
-        write(normal_file(rival.tolerance), &pictures.normal)?;
+        let stage = |file: String, pixels| heat::stage(&folder.at(&file), report.size, pixels);
+        files.push(stage(position_file(rival.tolerance), &pictures.position).or_failed()?);
+        files.push(stage(normal_file(rival.tolerance), &pictures.normal).or_failed()?);
     }
     let exposure = report.model.world.settings().exposure;
-    write_png(&folder.at(PICTURE), film, exposure).map(drop).or_failed()?;
-    folder.write(LEGEND, &heat::legend(&[POSITION, NORMAL], &heat::WORDS))?;
-    chart::write(&folder.at(PLOT), &report.panels()).or_failed()?;
-    folder.write(REPORT, &report.text())
+    files.push(stage_png(&folder.at(PICTURE), film, exposure).or_failed()?);
+    files.push(folder.stage(LEGEND, &heat::legend(&[POSITION, NORMAL], &heat::WORDS))?);
+    files.push(folder.stage(PLOT, &chart::svg(&report.panels()).or_failed()?)?);
+    files.push(folder.stage(REPORT, &report.text())?);
+    put_all_in_place(files).or_failed()
 }
 
 fn files(tolerances: &[f64]) -> Vec<String> {

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use nurbray::io::{Quoted, check_writable, write_atomically};
+use nurbray::io::{Quoted, StagedFile, check_writable, stage};
 use nurbray::scene::Scene;
 
 use super::super::failure::{Failure, OrFail};
@@ -68,12 +68,12 @@ impl Folder {
         self.path.join(file)
     }
 
-    /// Writes a text whole or not at all.
+    /// Writes a text, but does not put it in its place yet.
     ///
     /// # Errors
     /// When the system refuses.
-    pub(super) fn write(&self, file: &str, text: &str) -> Result<(), Failure> {
-        write_atomically(&self.at(file), |file| file.write_all(text.as_bytes())).or_failed()
+    pub(super) fn stage(&self, file: &str, text: &str) -> Result<StagedFile, Failure> {
+        stage(&self.at(file), |file| file.write_all(text.as_bytes())).or_failed()
     }
 }
 
@@ -98,7 +98,7 @@ mod tests {
         assert!(!path.exists());
         folder.make().unwrap();
         folder.make().unwrap();
-        folder.write("a.md", "words").unwrap();
+        folder.stage("a.md", "words").unwrap().put_in_place().unwrap();
         assert_eq!(fs::read_to_string(path.join("a.md")).unwrap(), "words");
 
         // Now the file is an input, a folder in the way, or no folder at all.

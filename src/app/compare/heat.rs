@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use nurbray::io::{WriteError, write_png_bytes};
+use nurbray::io::{StagedFile, WriteError, stage_png_bytes};
 
 /// Red, green, blue.
 pub(super) type Color = [u8; 3];
@@ -62,12 +62,16 @@ impl Scale {
     }
 }
 
-/// Writes a picture, its pixels row by row from the top.
+/// Writes a picture, its pixels row by row from the top, but does not put it in its place yet.
 ///
 /// # Errors
 /// When the file cannot be written.
-pub(super) fn write(path: &Path, size: [u32; 2], pixels: &[Color]) -> Result<(), WriteError> {
-    write_png_bytes(path, size, pixels.as_flattened())
+pub(super) fn stage(
+    path: &Path,
+    size: [u32; 2],
+    pixels: &[Color],
+) -> Result<StagedFile, WriteError> {
+    stage_png_bytes(path, size, pixels.as_flattened())
 }
 
 /// What the colours of some scales mean, as a drawing.

@@ -3,7 +3,9 @@
 use std::time::Duration;
 
 use nurbray::intersect::Kernel;
-use nurbray::io::{PovrayGap, PovrayScene, PovraySkip, Quoted, povray_scene};
+use nurbray::io::{
+    PovrayGap, PovrayScene, PovraySkip, Quoted, StagedFile, povray_scene, put_all_in_place,
+};
 
 use super::super::args::CompareArguments;
 use super::super::failure::{Failure, OrFail};
@@ -46,7 +48,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     left_out.iter().for_each(|line| console::warning(line));
     let povray = Povray::find().or_else(|reason| {
         // The scenes can be had without POV-Ray: somebody may render them elsewhere.
-        write_scenes(&folder, (&tolerances, &scenes))?;
+        put_all_in_place(stage_scenes(&folder, (&tolerances, &scenes))?).or_failed()?;
         let place = Quoted(&arguments.output);
         Err(Failure::work(format!("{reason}; its scenes are in {place}")))
     })?;
@@ -80,9 +82,10 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     super::warn_if_empty(&model, report.hits, report.doubtful);
 
     // The report last, so that a report has its files.
-    write_scenes(&folder, (&tolerances, &scenes))?;
-    write_pictures(&folder, size, &ours, (&tolerances, &pictures))?;
-    folder.write(REPORT, &report.text())?;
+    let mut written = stage_scenes(&folder, (&tolerances, &scenes))?;
+    written.extend(stage_pictures(&folder, size, &ours, (&tolerances, &pictures))?);
+    written.push(folder.stage(REPORT, &report.text())?);
+    put_all_in_place(written).or_failed()?;
     console::print(&format!("{}\n", folder.at(REPORT).display()))
 }
 
@@ -116,30 +119,30 @@ fn scenes(model: &Model, size: [u32; 2], tolerances: &[f64]) -> Result<Vec<Povra
 }
 
 /// What POV-Ray reads. Makes the folder.
-fn write_scenes(
+fn stage_scenes(
     folder: &Folder,
     (tolerances, scenes): (&[f64], &[PovrayScene]),
-) -> Result<(), Failure> {
+) -> Result<Vec<StagedFile>, Failure> {
     folder.make()?;
-    for (scene, &tolerance) in scenes.iter().zip(tolerances) {
-        folder.write(&scene_file(tolerance), &scene.text)?;
-    }
-    Ok(())
+    let scenes = scenes.iter().zip(tolerances);
+    scenes.map(|(scene, &tolerance)| folder.stage(&scene_file(tolerance), &scene.text)).collect()
 }
 
 /// Our picture, and where POV-Ray's differ from it.
-fn write_pictures(
+fn stage_pictures(
     folder: &Folder,
     size: [u32; 2],
     ours: &[Pixel],
     (tolerances, pictures): (&[f64], &[Vec<Color>]),
-) -> Result<(), Failure> {
+) -> Result<Vec<StagedFile>, Failure> {
     let grey: Vec<Color> = ours.iter().map(|&pixel| shade(pixel)).collect();
-    heat::write(&folder.at(PICTURE), size, &grey).or_failed()?;
+    let mut files = vec![heat::stage(&folder.at(PICTURE), size, &grey).or_failed()?];
     for (picture, &tolerance) in pictures.iter().zip(tolerances) {
-        heat::write(&folder.at(&difference_file(tolerance)), size, picture).or_failed()?;
+        let path = folder.at(&difference_file(tolerance));
+        files.push(heat::stage(&path, size, picture).or_failed()?);
     }
-    folder.write(LEGEND, &heat::legend(&[BRIGHTNESS], &heat::WORDS))
+    files.push(folder.stage(LEGEND, &heat::legend(&[BRIGHTNESS], &heat::WORDS))?);
+    Ok(files)
 }
 
 fn files(tolerances: &[f64]) -> Vec<String> {

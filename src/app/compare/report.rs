@@ -2,7 +2,7 @@
 
 use super::super::chart::Panel;
 use super::super::race::{Measurement, Model, Rival, RivalResult};
-use super::super::table::{count, short, short_bytes, three_digits, time};
+use super::super::table::{count, short, short_bytes, significant, three_digits, time};
 use super::errors::Errors;
 use super::folder::files_written;
 use super::markdown::plain;
@@ -187,8 +187,10 @@ impl Report<'_> {
         table.row("silhouette pixels that differ", "0", |k| {
             (findings[k].lost[0] + findings[k].invented[0]).to_string()
         });
-        table.row("rays lost", "0", |k| lost(findings[k].lost));
-        table.row("rays invented", "0", |k| lost(findings[k].invented));
+        table.row("rays lost", "0", |k| with_cause(findings[k].lost, "through gaps"));
+        table.row("rays invented", "0", |k| {
+            with_cause(findings[k].invented, "at triangles that jut out")
+        });
         table.text()
     }
 
@@ -261,15 +263,15 @@ fn two_digits(number: f64) -> String {
     if number.abs() < 1e-4 {
         return format!("{number:.1e}");
     }
-    let decimals = 1 - number.abs().log10().floor().clamp(-4.0, 1.0) as i32;
-    format!("{number:.*}", decimals as usize)
+    significant(number, 2, -4)
 }
 
-/// Rays at silhouettes and elsewhere, added up; those elsewhere are also shown apart, if any.
-fn lost([silhouette, gap]: [usize; 2]) -> String {
-    match gap {
+/// Rays at silhouettes and elsewhere, added up; those elsewhere, if any, are also shown apart, with
+/// what is their cause.
+fn with_cause([silhouette, other]: [usize; 2], cause: &str) -> String {
+    match other {
         0 => silhouette.to_string(),
-        _ => format!("{} ({gap} through gaps)", silhouette + gap),
+        _ => format!("{} ({other} {cause})", silhouette + other),
     }
 }
 
@@ -281,6 +283,7 @@ mod tests {
     fn numbers_are_short() {
         assert_eq!([None, Some(0.001234), Some(12.34)].map(angle), ["–", "0.0012°", "12°"]);
         assert_eq!([0.0, 1.7e-6].map(|error| angle(Some(error))), ["0°", "1.7e-6°"]);
+        let lost = |rays| with_cause(rays, "through gaps");
         assert_eq!([lost([3, 0]), lost([3, 2])], ["3", "5 (2 through gaps)"]);
     }
 }

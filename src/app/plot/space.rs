@@ -197,7 +197,7 @@ pub(super) fn curves(
         if entry.knots {
             let at = |t| projection.of(entry.curve.point_at(t));
             let (points, texts) = knots(entry.curve.knots(), 0, at);
-            if single && points.len() <= MOST_LABELS {
+            if single {
                 let controls: Vec<DVec2> =
                     entry.curve.points().into_iter().map(|p| projection.of(p)).collect();
                 marks.extend(knot_labels(&controls, &points, texts));
@@ -226,8 +226,12 @@ pub(super) fn curves(
     projection.panel(title, items, legend)
 }
 
-/// Labels beside the knots of a curve, towards the middle of its control points.
+/// Labels beside the knots of a curve, towards the middle of its control points; none if they are
+/// too many to be read.
 pub(super) fn knot_labels(controls: &[DVec2], points: &[DVec2], texts: Vec<String>) -> Vec<Item> {
+    if points.len() > MOST_LABELS {
+        return Vec::new();
+    }
     let middle = controls.iter().sum::<DVec2>() / controls.len().max(1) as f64;
     let labels = joined(points, texts.into_iter()).into_iter();
     labels

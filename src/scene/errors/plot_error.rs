@@ -159,6 +159,7 @@ pub enum PlotError {
 /// `3 surfaces, 0 to 2`.
 fn surfaces(count: usize) -> String {
     match count {
+        0 => "no surface".to_owned(),
         1 => "one surface only, 0".to_owned(),
         count => format!("{count} surfaces, 0 to {}", count - 1),
     }
