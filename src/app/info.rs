@@ -27,6 +27,7 @@ use nurbray::scene::{Instance, Scene, Shape, World};
 
 use super::args::InfoArguments;
 use super::failure::Failure;
+use super::progress::patiently;
 use super::{console, input};
 use facts::Facts;
 
@@ -34,12 +35,14 @@ use facts::Facts;
 pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
     let scene = input::read(&arguments.input)?;
     let (world, build) = input::prepare(&scene, false)?;
-    let facts = Facts::new(&world);
+    let facts = patiently("measuring the surfaces ...", || Facts::new(&world));
     let surfaces: Vec<_> =
         world.surfaces().iter().map(|instance| instance.surface.clone()).collect();
     let drawings: Vec<_> =
         world.surfaces().iter().map(|instance| drawing(&scene, instance)).collect();
-    let fit = gaps::fit(&surfaces, &drawings, &object_sizes(&world, &facts));
+    let sizes = object_sizes(&world, &facts);
+    let compare = || gaps::fit(&surfaces, &drawings, &sizes);
+    let fit = patiently("comparing borders with each other ...", compare);
     let input = arguments.input.display().to_string();
     if arguments.json {
         console::print_json(&json::json(&input, build, &facts, &fit, &scene.notes))?;

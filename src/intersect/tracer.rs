@@ -2,7 +2,7 @@
 //!
 //! `scalar` asks the scalar search, about rays and about what the fast kernels leave undecided.
 //! These are asked in three ways: one ray at a time (`singles`), in `packets` if rays are coherent,
-//! and else in `streams`. `answer` makes answers of what is met.
+//! and in `streams` if they are not, and that pays off. `answer` makes answers of what is met.
 
 mod answer;
 mod between;

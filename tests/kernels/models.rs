@@ -108,6 +108,8 @@ pub(crate) fn models() -> Vec<Model> {
     ] {
         models.push(Model::one(name, trimmed(surface)));
     }
+    // So many leaves that incoherent rays are traced side by side by all kernels.
+    models.push(Model::one("dense sheet", sheet((3, 3), 131, false)));
     models.push(Model::new("strips", strip_and_elevated()));
     models.push(Model::new("octant sphere", patches::octants()));
     models.push(Model::body("body", patches::catmull_clark()));

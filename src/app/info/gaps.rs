@@ -40,7 +40,7 @@ pub(crate) struct Fit {
     pub(crate) free: usize,
     /// The gaps, the widest first.
     pub(crate) gaps: Vec<Gap>,
-    /// How the surfaces are turned where two borders meet.
+    /// How the surfaces are turned where two borders meet, or nearly.
     pub(crate) turns: Turns,
     /// Surfaces whose trim edges are not among these, with the reason.
     pub(crate) left_out: Vec<(usize, CurveError)>,

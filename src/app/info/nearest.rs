@@ -32,6 +32,24 @@ const HIDDEN: usize = 16;
 /// nearly meet.
 const TOGETHER: f64 = 0.01;
 
+/// A curve that runs together with another one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Neighbour {
+    pub(super) curve: usize,
+    /// The point of it that is nearest to the other's sample.
+    pub(super) foot: Foot,
+    /// How near that had to be.
+    pub(super) near: f64,
+}
+
+/// The curves that are near a sample of another one.
+#[derive(Clone, Copy, Debug)]
+enum Within {
+    Nobody,
+    One(Neighbour),
+    Several,
+}
+
 /// What was seen from the samples of a curve.
 #[derive(Debug, Default)]
 pub(super) struct View {
@@ -101,19 +119,38 @@ impl<'a> Crowd<'a> {
     /// How near two curves must be to run together: within rounding, or so much nearer than those
     /// that nearly meet that hardly anything else can be meant. (Edges of CAD files, each computed
     /// from its own face, mostly agree to a millionth of the model or better.)
-    pub(super) fn together(&self, pair: [usize; 2]) -> f64 {
+    fn together(&self, pair: [usize; 2]) -> f64 {
         self.edges.rounding(pair).max(TOGETHER * self.nearness.of(pair))
     }
 
     /// The other curve that runs together with a curve at one of its samples, and where; `None` if
-    /// none does, or several do.
-    pub(super) fn only_beside(&self, [curve, sample]: [usize; 2]) -> Option<(usize, Foot)> {
-        let from = &self.edges.curves[curve].1.samples()[sample];
-        if !from.kept {
-            return None;
+    /// none does, or several do. If one meets it within rounding, those that only nearly do are not
+    /// asked.
+    pub(super) fn only_beside(&self, at: [usize; 2]) -> Option<Neighbour> {
+        let reach = self.edges.most_rounding();
+        match self.within(at, reach, |pair| self.edges.rounding(pair)) {
+            Within::One(neighbour) => return Some(neighbour),
+            Within::Several => return None,
+            Within::Nobody => {}
         }
-        let reach = self.edges.most_rounding().max(TOGETHER * self.nearness.reach(curve));
-        let (mut met, mut waiting) = (None, vec![0]);
+        let reach = TOGETHER * self.nearness.reach(at[0]);
+        match self.within(at, reach, |pair| self.together(pair)) {
+            Within::One(neighbour) => Some(neighbour),
+            Within::Several | Within::Nobody => None,
+        }
+    }
+
+    /// The other curves that are as near to a sample of a curve as `near` says for each, and no
+    /// farther than `reach`.
+    fn within(
+        &self,
+        [curve, sample]: [usize; 2],
+        reach: f64,
+        near: impl Fn([usize; 2]) -> f64,
+    ) -> Within {
+        let from = &self.edges.curves[curve].1.samples()[sample];
+        let mut found = Within::Nobody;
+        let mut waiting = if from.kept { vec![0] } else { Vec::new() };
         while let Some(node) = waiting.pop() {
             if self.waiting(node, from.point, reach).is_none() {
                 continue;
@@ -125,20 +162,19 @@ impl<'a> Crowd<'a> {
                 }
                 Content::Curve(other) => other,
             };
-            let is_known = met.is_some_and(|(known, _)| known == other);
+            let is_known = matches!(found, Within::One(known) if known.curve == other);
             if other == curve || is_known {
                 continue;
             }
-            let near = self.nearness.of([curve, other]);
+            let near = near([curve, other]);
             let foot = self.edges.curves[other].1.nearest(from.point, near);
-            let together = self.together([curve, other]);
-            let Some(foot) = foot.filter(|foot| foot.distance <= together) else { continue };
-            if met.is_some() {
-                return None;
+            let Some(foot) = foot.filter(|foot| foot.distance <= near) else { continue };
+            match found {
+                Within::Nobody => found = Within::One(Neighbour { curve: other, foot, near }),
+                Within::One(_) | Within::Several => return Within::Several,
             }
-            met = Some((other, foot));
         }
-        met
+        found
     }
 
     fn view(&self, curve: usize) -> View {

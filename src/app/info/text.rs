@@ -183,7 +183,7 @@ fn borders(fit: &Fit, facts: &Facts) -> String {
     text
 }
 
-/// The pairs of borders that meet with surfaces turned opposite ways.
+/// The pairs of borders that meet, or nearly, with surfaces turned opposite ways.
 fn turned(fit: &Fit, facts: &Facts) -> String {
     let Turns { judged, opposite } = &fit.turns;
     if *judged == 0 {

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::around::Turn;
 use super::edges::{Edge, Edges};
-use super::nearest::Crowd;
+use super::nearest::{Crowd, Neighbour};
 
 /// Samples no farther apart than so many distances at which curves run together say nothing about
 /// where a curve runs.
@@ -25,7 +25,7 @@ pub(crate) struct Turned {
 }
 
 /// How the surfaces are turned where two borders, and no more, run together: where they meet, or
-/// nearly (see [`Crowd::together`]).
+/// nearly (see [`Crowd::only_beside`]).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Turns {
     /// In how many pairs of borders this can be told.
@@ -77,21 +77,24 @@ impl Turns {
     }
 }
 
-/// The curves that run together with a curve from one sample to the next, each time alone: which,
-/// how the surfaces are turned, and where.
+/// The curves that run together with a curve from one sample to the next, or as many as are needed
+/// to tell, each time alone: which, how the surfaces are turned, and where.
 fn turns(crowd: &Crowd<'_>, curve: usize) -> Vec<(usize, Turn, DVec3)> {
     let Edges { curves, .. } = crowd.edges;
     let own = &curves[curve].1;
     let samples = own.samples();
     let met: Vec<_> = (0..samples.len()).map(|k| crowd.only_beside([curve, k])).collect();
     let judged = |k: usize| {
-        let ((other, foot), (next, _)) = (met[k]?, met[k + 1]?);
-        let way = samples[k].point.distance(samples[k + 1].point);
-        if next != other || way <= APART * crowd.together([curve, other]) {
-            return None; // they only cross or touch, as far as this tells
+        let Neighbour { curve: other, foot, near } = met[k]?;
+        // Shorter stretches may be where they only cross or touch.
+        let is_far = |next: &usize| samples[k].point.distance(samples[*next].point) > APART * near;
+        let next = (k + 1..samples.len()).find(is_far)?;
+        let together = |beside: &Option<Neighbour>| beside.is_some_and(|it| it.curve == other);
+        if !met[k + 1..=next].iter().all(together) {
+            return None;
         }
         let turn = own.around(samples[k].t)?.turn(&curves[other].1.around(foot.t)?)?;
         Some((other, turn, foot.point))
     };
-    (0..samples.len() - 1).filter_map(judged).collect()
+    (0..samples.len()).filter_map(judged).collect()
 }

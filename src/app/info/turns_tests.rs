@@ -79,6 +79,21 @@ fn sheets_that_nearly_meet_are_judged() {
     }
 }
 
+/// A sheet beside another, both with many knots along their common border, which is short compared
+/// with the model.
+#[test]
+fn short_borders_of_many_spans_are_judged() {
+    let lines: Vec<[DVec3; 2]> =
+        (0..=300).map(|k| [0.0, 0.01].map(|x| DVec3::new(x, 1e-4 * f64::from(k), 0.0))).collect();
+    let beside = DAffine3::from_translation(DVec3::new(0.01, 0.0, 0.0));
+    let other = ruled(&lines).transformed(&beside).unwrap();
+    for reversed in [false, true] {
+        let sheets = [ruled(&lines).into(), reversed_if(reversed, other.clone())];
+        let turns = fit(&sheets, &[], &[40.0; 2]).turns;
+        assert_eq!((turns.judged, turns.opposite.len()), (1, usize::from(reversed)));
+    }
+}
+
 #[test]
 fn two_sheets_in_all_positions_and_at_all_angles() {
     for degrees in [180.0, 0.1, 20.0, 90.0, 160.0, 200.0, 340.0_f64] {

@@ -53,7 +53,7 @@ const SAME_WEIGHT: f64 = 4.0 * f64::EPSILON;
 /// opposite borders run back over themselves and so does everything between them (it need not where
 /// the other two borders part); or when weights inside the patch would not be positive, as where
 /// cubic borders have weights below 1/3 inside. (Where only those of control points would not be,
-/// spans of the borders are halved until they are.)
+/// spans of the borders are halved, up to five times.)
 pub fn coons(borders: &Borders) -> Result<NurbsSurface, ConstructError> {
     let Borders { u0, u1, v0, v1 } = borders;
     check_corners(borders)?;
@@ -61,11 +61,13 @@ pub fn coons(borders: &Borders) -> Result<NurbsSurface, ConstructError> {
     let mut along_v = unit_pair([u0, u1], "u")?;
     let mut net = blended(&along_u, &along_v)?;
     for _ in 0..HALVINGS {
-        if net.iter().all(|point| point.w > 0.0) {
+        if net.iter().all(|point| point.w > 0.0) || !has_weight(&along_u, &along_v) {
             break;
         }
-        (along_u, along_v) = (halved(&along_u, "v")?, halved(&along_v, "u")?);
-        net = blended(&along_u, &along_v)?;
+        let finer = (halved(&along_u, "v")?, halved(&along_v, "u")?);
+        let Ok(finer_net) = blended(&finer.0, &finer.1) else { break }; // too large
+        (along_u, along_v) = finer;
+        net = finer_net;
     }
     let [knots_u, knots_v] = [&along_u, &along_v].map(|pair| pair[0].knots().clone());
     let patch = NurbsSurface::from_homogeneous(knots_u, knots_v, net)?;
@@ -76,6 +78,30 @@ pub fn coons(borders: &Borders) -> Result<NurbsSurface, ConstructError> {
 /// How often spans are halved for the sake of positive weights: each time brings the weights of
 /// control points four times as near to the surface's own.
 const HALVINGS: usize = 5;
+
+/// Whether the patch's own weights are positive at the ends and middles of all spans. At corners
+/// they are 1.
+fn has_weight(along_u: &[NurbsCurve; 2], along_v: &[NurbsCurve; 2]) -> bool {
+    let places = |curve: &NurbsCurve| -> Vec<f64> {
+        let spans = curve.knots().spans();
+        spans.flat_map(|Span { start, end, .. }| [start, 0.5 * (start + end)]).collect()
+    };
+    let weights = |pair: &[NurbsCurve; 2], t: f64| pair.each_ref().map(|curve| weight_at(curve, t));
+    let (us, vs) = (places(&along_u[0]), places(&along_v[0]));
+    let at_us: Vec<[f64; 2]> = us.iter().map(|&u| weights(along_u, u)).collect();
+    let at_vs: Vec<[f64; 2]> = vs.iter().map(|&v| weights(along_v, v)).collect();
+    let between = |[from, to]: [f64; 2], share: f64| from + share * (to - from);
+    us.iter().zip(&at_us).all(|(&u, &at_u)| {
+        let weight = |(&v, &at_v): (&f64, &[f64; 2])| between(at_u, v) + between(at_v, u) - 1.0;
+        vs.iter().zip(&at_vs).all(|at| weight(at) > 0.0)
+    })
+}
+
+fn weight_at(curve: &NurbsCurve, t: f64) -> f64 {
+    let basis = curve.knots().basis_derivatives(t);
+    let active = &curve.control()[basis.span - curve.knots().degree()..=basis.span];
+    active.iter().zip(basis.orders[0]).map(|(point, value)| value * point.w).sum()
+}
 
 /// A pair of borders of one name with a knot in the middle of each span.
 fn halved(pair: &[NurbsCurve; 2], name: &str) -> Result<[NurbsCurve; 2], ConstructError> {

@@ -286,7 +286,7 @@ impl<'a> Candidate<'a> {
         let Self { question, z_error, cosine, flags, trims, .. } = *self;
         let Some(root) = question.from else { return Ok(()) };
         let (z, point) = (self.on_ray.z, self.on_ray.spot.jet.point);
-        let most_off = z_error + root.error;
+        let most_off = START_SPARE * z_error + root.error;
         // What lies on a trim edge may be as far from what is kept as is allowed there.
         let farthest =
             trims.edge().map_or(most_off, |(distance, _)| TRIM_REACH * most_off + distance);
@@ -311,11 +311,14 @@ impl<'a> Candidate<'a> {
         if is_in_doubt { Err(Dropped::InDoubt(0.0)) } else { Ok(()) }
     }
 
-    /// Whether the place may lie in the ray's range, given how far off it may be.
+    /// Whether the place may lie in the ray's range, given how far off both it and the ray's start
+    /// may be.
     fn may_be_in_range(&self) -> bool {
-        let [t, t_error] = [self.on_ray.z, self.z_error].map(|z| z * self.question.ray.t_from_z);
+        let start_off = self.question.from.map_or(0.0, |root| root.error);
+        let off = START_SPARE * self.z_error + start_off;
+        let [t, t_off] = [self.on_ray.z, off].map(|z| z * self.question.ray.t_from_z);
         let [t_min, t_max] = self.question.t_range;
-        t + t_error >= t_min && t - t_error <= t_max
+        t + t_off >= t_min && t - t_off <= t_max
     }
 
     /// Drops what lies outside the ray's range. At the ends of the range, and at trim edges that

@@ -11,7 +11,7 @@ pub(crate) const STEPS_IN_F32: usize = 2;
 pub(crate) const MOST_STEPS: u32 = 4;
 
 /// The part of the promised error that a last step may leave behind by curvature, and as much again
-/// by rounding.
+/// by rounding; of the surface's own error, the part that it may leave of the point.
 pub(crate) const PART_OF_ERROR: f64 = 0.125;
 
 /// Rounding error that a step leaves in the distances `f`, as a part of `|f| |a| |b| / |det|`,

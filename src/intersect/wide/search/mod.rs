@@ -1,8 +1,8 @@
 //! The search for roots.
 //!
 //! `distances` finds starts in f32, on the approximations of leaves, for sixteen rays side by side;
-//! `one_ray` does so for one. From there, `newton` goes on in f64, on the true surface, for eight.
-//! `convergence` says when all of them end.
+//! `one_ray` does so for one. From there, `newton` goes on in f64, on the true surface, lane by
+//! lane. `convergence` says when all of them end.
 
 pub(super) mod convergence;
 pub(super) mod distances;

@@ -1,4 +1,4 @@
-//! EightLeaves pairs of a ray and a leaf, in f64 on the true surfaces.
+//! Eight pairs of a ray and a leaf, in f64 on the true surfaces.
 
 use fearless_simd::{Simd, SimdBase, SimdMask, f64x8, mask64x8};
 use fearless_simd_macros::simd;
