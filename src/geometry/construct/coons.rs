@@ -6,7 +6,7 @@ use super::compatible::compatible;
 use super::fold::check_fold;
 use super::net_size::net_size;
 use super::{ConstructError, CoonsCorner};
-use crate::geometry::{Direction, KnotVector, NurbsCurve, NurbsSurface, Span};
+use crate::geometry::{Direction, KnotVector, MAX_DEGREE, NurbsCurve, NurbsSurface, Span};
 
 /// The four borders of a Coons patch. Each is named by the parameter that is fixed there, and
 /// runs in the direction in which the other one grows.
@@ -69,6 +69,11 @@ pub fn coons(borders: &Borders) -> Result<NurbsSurface, ConstructError> {
         (along_u, along_v) = finer;
         net = finer_net;
     }
+    if let Some(place) = net.iter().position(|point| point.w <= 0.0) {
+        let columns = along_v[0].control().len();
+        let (point, weight) = ([place / columns, place % columns], net[place].w);
+        return Err(ConstructError::BorderWeights { point, weight });
+    }
     let [knots_u, knots_v] = [&along_u, &along_v].map(|pair| pair[0].knots().clone());
     let patch = NurbsSurface::from_homogeneous(knots_u, knots_v, net)?;
     check_folds(borders, &patch)?;
@@ -98,9 +103,10 @@ fn has_weight(along_u: &[NurbsCurve; 2], along_v: &[NurbsCurve; 2]) -> bool {
 }
 
 fn weight_at(curve: &NurbsCurve, t: f64) -> f64 {
-    let basis = curve.knots().basis_derivatives(t);
-    let active = &curve.control()[basis.span - curve.knots().degree()..=basis.span];
-    active.iter().zip(basis.orders[0]).map(|(point, value)| value * point.w).sum()
+    let mut values = [0.0; MAX_DEGREE + 1];
+    let span = curve.knots().basis(t, &mut values);
+    let active = &curve.control()[span - curve.knots().degree()..=span];
+    active.iter().zip(values).map(|(point, value)| value * point.w).sum()
 }
 
 /// A pair of borders of one name with a knot in the middle of each span.
@@ -376,8 +382,9 @@ mod tests {
             }
         }
         // Here the surface's own weight in the middle is 2 · 0.325 − 1.
-        let message = coons(&borders(&[0.1; 2])).unwrap_err().to_string();
-        assert!(message.contains("the weight of control point"), "{message}");
+        let error = coons(&borders(&[0.1; 2])).unwrap_err();
+        let ConstructError::BorderWeights { point, weight } = error else { panic!("{error}") };
+        assert_eq!((point, weight < -0.3), ([1, 1], true), "{weight}");
     }
 
     #[test]

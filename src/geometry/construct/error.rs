@@ -133,6 +133,20 @@ pub enum ConstructError {
         /// Its weight.
         weight: f64,
     },
+    /// The weights inside the borders of a Coons patch are so small that those between them would
+    /// not be positive.
+    #[error(
+        "the borders' weights are too small inside, compared with those at the corners: between \
+         them, that of control point ({}, {}) comes to {}, and it must be positive; give the \
+         borders weights that differ less",
+        point[0], point[1], Measured(*.weight)
+    )]
+    BorderWeights {
+        /// Which control point, along `u` and along `v`, once opposite borders have common knots.
+        point: [usize; 2],
+        /// Its weight.
+        weight: f64,
+    },
     /// Two sections in a row are the same.
     #[error("sections {first} and {second} coincide: neighbours must differ")]
     SameSections {

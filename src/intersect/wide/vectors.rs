@@ -13,8 +13,8 @@ pub(super) type Lanes3f = [[f32; PACKET]; 3];
 
 /// Numbers in f64, a lane each: eight, or as many as a register holds. Code that needs dozens of
 /// vectors takes the latter: AVX2 has sixteen registers of four lanes, and of vectors that take two
-/// each most would be in memory. (So packets were 1.1 to 1.2 times as fast with AVX2, 1.6 to 1.9
-/// times with SSE2.)
+/// each most would be in memory. (So primary rays were traced 1.1 to 1.2 times as fast with
+/// AVX2, 1.6 to 1.9 times with SSE2.)
 pub(super) trait Reals<S: Simd>: SimdFloat<S, Element = f64> {}
 
 impl<S: Simd, V: SimdFloat<S, Element = f64>> Reals<S> for V {}

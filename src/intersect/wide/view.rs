@@ -38,7 +38,7 @@ impl Fitted<'_> {
 
 /// Scenes of as many leaves as this do not fit into the processor's caches. In smaller ones, without
 /// AVX-512, first hits are not traced in streams. Measured on Zen 3: one by one they take 0.7 to 1.1
-/// times as long with AVX2, 0.55 to 0.9 times with SSE2; from 2¹⁶ leaves on, 1.2 to 1.3 times.
+/// times as long with AVX2, 0.55 to 0.95 times with SSE2; from 2¹⁶ leaves on, 1.1 to 1.3 times.
 const MORE_THAN_CACHES: usize = 1 << 14;
 
 /// In scenes of as many leaves as this, occlusion is traced in streams. Measured: 1.04 to 1.6 times

