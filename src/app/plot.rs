@@ -190,7 +190,7 @@ fn panel(plot: Plot, place: &str) -> Result<Panel, Failure> {
             _ => return Err(Failure::work("trims of several surfaces came through the check")),
         },
         PlotKind::Surfaces { of, lines, net } => {
-            surfaces::surfaces(title, plane, (&of, lines, net)).or_bad_input()?
+            surfaces::surfaces(title, plane, (&of, lines, net))
         }
         other => return Err(Failure::Work(anyhow!("cannot draw {other:?}"))),
     };

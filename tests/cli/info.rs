@@ -57,7 +57,7 @@ fn gaps_are_listed_with_their_width() {
     assert!(text.contains("1.00e-7 (2.2e-8 of the size)"), "{text}");
 }
 
-/// A bicubic sheet cut by a curve of degree eight, which has degree 48 in space.
+/// A bicubic sheet cut by a curve of degree eight. In space, the edge has degree 48.
 const STEEP_TRIM: &str = r#"
 [[object]]
 name = "sheet"
@@ -76,12 +76,27 @@ points = [
 ]
 "#;
 
+/// The sheet around the hole and the part cut out of it, once in place and once moved.
 #[test]
-fn edges_that_are_not_searched_for_gaps_are_told() {
-    let sandbox = Sandbox::with(&[("steep.toml", STEEP_TRIM)]);
-    let text = sandbox.run("info steep.toml").succeeded().stdout;
-    assert!(text.contains("trim edges of 0 sheet are neither counted nor searched"), "{text}");
-    assert!(text.contains("\nno gaps among the other edges up to "), "{text}");
+fn gaps_along_edges_of_any_degree_are_found() {
+    let cut_out = STEEP_TRIM
+        .replace("name = \"sheet\"", "name = \"part\"")
+        .replace("trims = {", "trims = { keep = \"inside\",");
+    let two = [STEEP_TRIM.replace("trims = {", "trims = { keep = \"outside\","), cut_out].concat();
+    let torn = two.replace("name = \"part\"", "name = \"part\"\ntransform = [{ translate = [0, 0, 1e-5] }]");
+    let sandbox = Sandbox::with(&[("whole.toml", &two), ("torn.toml", &torn)]);
+    let of = |name: &str| sandbox.run(&format!("info {name} --json")).succeeded().json();
+
+    let whole = of("whole.toml");
+    let borders = json!({ "total": 6, "trim_edges": 2, "collapsed": 0, "meeting": 2,
+        "nearly_meeting": 0, "free": 4 });
+    assert_eq!((&whole["borders"], &whole["gaps"]), (&borders, &json!([])));
+    assert_eq!(whole["turns"], json!({ "judged": 1, "opposite": [] }));
+    let torn = of("torn.toml");
+    assert_eq!(torn["borders"]["nearly_meeting"], 2);
+    // Where the sheet is steep, the nearest point of the moved edge is not the one above.
+    let width = torn["gaps"][0]["width"].as_f64().unwrap();
+    assert!(width > 0.9e-5 && width < 1e-5 + 1e-14, "{width}");
 }
 
 #[test]

@@ -369,11 +369,10 @@ With --json one object:
                  hierarchy), bounds
   borders        total, trim_edges (of these), collapsed, meeting,
                  nearly_meeting, free
-  edges_left_out a list of surfaces whose trim edges are not among these, with
-                 the reason: surface, why
   turns          judged (pairs of borders), opposite (a list of those with
                  surfaces turned opposite ways: surfaces [i, j], edges,
                  at [x, y, z])
+  free_borders   a list, the longest first: surface, edge, length, at [x, y, z]
   gaps           a list, the widest first: surfaces [i, j], edges, width,
                  relative (to the size of the bounding box), at [x, y, z]
   not_imported   a list: file, line, column (null where unknown), what, why

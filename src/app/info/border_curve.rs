@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use nurbray::geometry::{Chart, NurbsCurve, TrianglePatch, TriangleSide, TrimEdge, TrimmedSurface};
+use nurbray::geometry::{Chart, TrianglePatch, TriangleSide, TrimEdge, TrimmedSurface};
 use nurbray::math::Aabb;
 
 use super::super::border::Border;
@@ -80,8 +80,8 @@ impl<'a> BorderCurve<'a> {
     /// Samples a trim edge, corner by corner. Leaves out parts that are points, to within
     /// `rounding`, as along a pole.
     pub(crate) fn of_edge(trimmed: &'a TrimmedSurface, edge: TrimEdge, rounding: f64) -> Vec<Self> {
-        let [start, end] = edge.curve().domain();
-        let corners = corners(edge.curve(), rounding);
+        let [start, end] = edge.domain();
+        let corners = corners(edge.spans(), |t| edge.tangent_at(t), rounding);
         let edge = Arc::new(edge);
         let stops: Vec<f64> = [start].into_iter().chain(corners).chain([end]).collect();
         let part = |pair: &[f64]| {
@@ -92,12 +92,7 @@ impl<'a> BorderCurve<'a> {
 
     fn sampled(source: Source<'a>, domain: [f64; 2]) -> Self {
         // An edge of many corners is sampled in as many parts, each by its own knots only.
-        let spans: Vec<[f64; 2]> = source
-            .knots()
-            .spans_between(domain[0], domain[1])
-            .map(|span| [span.start.max(domain[0]), span.end.min(domain[1])])
-            .filter(|[start, end]| start < end)
-            .collect();
+        let spans = source.spans(domain);
         let per_span = INTERVALS.div_ceil(spans.len());
         let within = spans.iter().flat_map(|&[start, end]| divided([start, end], per_span));
         let mut points: Vec<(f64, DVec3)> =
@@ -149,6 +144,13 @@ impl<'a> BorderCurve<'a> {
     /// Its length, by the polyline through its samples.
     pub(crate) fn length(&self) -> f64 {
         self.length
+    }
+
+    /// The length of what trims keep of it, and the middle one of its samples there.
+    pub(crate) fn kept(&self) -> (f64, DVec3) {
+        let kept: Vec<&Sample> = self.samples.iter().filter(|sample| sample.kept).collect();
+        let middle = kept.get(kept.len() / 2).map_or(DVec3::NAN, |sample| sample.point);
+        (kept.iter().map(|sample| sample.length).sum(), middle)
     }
 
     /// Points on it, from end to end.
@@ -222,18 +224,21 @@ impl<'a> BorderCurve<'a> {
     }
 }
 
-/// The parameters where a curve turns a corner, if its points are known to within `rounding`:
-/// between pieces that are long enough to have a direction.
-fn corners(curve: &NurbsCurve, rounding: f64) -> Vec<f64> {
+/// The parameters where a curve of these pieces turns a corner, if its points are known to within
+/// `rounding`: between pieces that are long enough to have a direction. `at` gives the curve's
+/// point and its derivative, where two pieces meet that of the second.
+fn corners(
+    pieces: impl Iterator<Item = [f64; 2]>,
+    at: impl Fn(f64) -> [DVec3; 2],
+    rounding: f64,
+) -> Vec<f64> {
     let length = |[start, end]: [f64; 2]| {
-        let [a, b, c] = [start, 0.5 * (start + end), end].map(|t| curve.point_at(t));
+        let [a, b, c] = [start, 0.5 * (start + end), end].map(|t| at(t)[0]);
         a.distance(b) + b.distance(c)
     };
-    let pieces = curve.knots().spans().map(|span| [span.start, span.end]);
     let pieces: Vec<[f64; 2]> = pieces.filter(|&piece| length(piece) > SLIVER * rounding).collect();
     let turns = |pair: &&[[f64; 2]]| {
-        let [before, behind] =
-            [pair[0][1].next_down(), pair[1][0]].map(|t| curve.derivatives(t).first);
+        let [before, behind] = [pair[0][1].next_down(), pair[1][0]].map(|t| at(t)[1]);
         let goes_on = before.angle_between(behind) <= CORNER; // false for NaN, as for derivative 0
         !goes_on
     };
@@ -305,7 +310,10 @@ mod tests {
             knots.push((count - 1) as f64);
             let points = points.iter().map(|p| DVec3::new(p[0], p[1], 0.0)).collect();
             let edge = KnotVector::new(1, knots).unwrap();
-            corners(&NurbsCurve::new(edge, points, None).unwrap(), tiny).len() + 1
+            let curve = NurbsCurve::new(edge, points, None).unwrap();
+            let pieces = curve.knots().spans().map(|span| [span.start, span.end]);
+            let at = |t: f64| [curve.point_at(t), curve.derivatives(t).first];
+            corners(pieces, at, tiny).len() + 1
         };
         assert_eq!(parts(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]), 1);
         assert_eq!(parts(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), 2);

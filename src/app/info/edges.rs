@@ -1,6 +1,6 @@
 //! The borders and trim edges of surfaces.
 
-use nurbray::geometry::{Chart, CurveError, Surface};
+use nurbray::geometry::{Chart, Surface};
 use rayon::prelude::*;
 
 use super::super::border::rounding;
@@ -25,8 +25,6 @@ pub(super) struct Edges<'a> {
     pub(super) collapsed: usize,
     /// How many of the curves are trim edges.
     pub(super) trim_edges: usize,
-    /// Surfaces whose trim edges are not known, with the reason.
-    pub(super) left_out: Vec<(usize, CurveError)>,
     /// The error bound of a point of each surface.
     rounding: Vec<f64>,
     /// The largest of these.
@@ -52,24 +50,19 @@ impl<'a> Edges<'a> {
         };
         let mut curves: Vec<_> = sides.par_iter().filter_map(curve).collect();
 
-        let (mut left_out, borders) = (Vec::new(), curves.len());
-        for (surface, one) in surfaces.iter().enumerate() {
-            let Some(trimmed) = one.trimmed() else { continue };
-            match trimmed.edges() {
-                Ok(edges) => {
-                    let parts = edges
-                        .into_iter()
-                        .flat_map(|edge| BorderCurve::of_edge(trimmed, edge, rounding[surface]));
-                    curves.extend(parts.enumerate().map(|(number, curve)| {
-                        (Edge { surface, which: Which::Trim(number) }, curve)
-                    }));
-                }
-                Err(error) => left_out.push((surface, error)),
-            }
-        }
+        let borders = curves.len();
+        let of_trims = |surface: usize| -> Vec<(Edge, BorderCurve<'a>)> {
+            let Some(trimmed) = surfaces[surface].trimmed() else { return Vec::new() };
+            let edges = trimmed.edges().into_iter();
+            let parts =
+                edges.flat_map(|edge| BorderCurve::of_edge(trimmed, edge, rounding[surface]));
+            let numbered = parts.enumerate();
+            numbered.map(|(k, curve)| (Edge { surface, which: Which::Trim(k) }, curve)).collect()
+        };
+        curves.par_extend((0..surfaces.len()).into_par_iter().flat_map_iter(of_trims));
         let trim_edges = curves.len() - borders;
         let largest_rounding = rounding.iter().copied().fold(0.0, f64::max);
-        Self { curves, collapsed, trim_edges, left_out, rounding, largest_rounding }
+        Self { curves, collapsed, trim_edges, rounding, largest_rounding }
     }
 
     /// At most how far apart rounding may put points where any two curves meet.

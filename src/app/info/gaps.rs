@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use glam::DVec3;
-use nurbray::geometry::{Chart, Charts, CurveError, Surface};
+use nurbray::geometry::{Chart, Charts, Surface};
 
 use super::edges::{Edge, Edges};
 use super::nearest::Crowd;
@@ -22,6 +22,16 @@ pub(crate) struct Gap {
     pub(crate) at: DVec3,
 }
 
+/// A border that no other one runs beside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FreeBorder {
+    pub(crate) edge: Edge,
+    /// The length of what trims keep of it.
+    pub(crate) length: f64,
+    /// A point about in the middle of that.
+    pub(crate) at: DVec3,
+}
+
 /// How the borders of a model fit together.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Fit {
@@ -36,14 +46,12 @@ pub(crate) struct Fit {
     pub(crate) meeting: usize,
     /// Those that run beside another and only nearly meet it.
     pub(crate) nearly: usize,
-    /// Those with no other beside them.
-    pub(crate) free: usize,
+    /// Those with no other beside them, the longest first.
+    pub(crate) free: Vec<FreeBorder>,
     /// The gaps, the widest first.
     pub(crate) gaps: Vec<Gap>,
     /// How the surfaces are turned where two borders meet, or nearly.
     pub(crate) turns: Turns,
-    /// Surfaces whose trim edges are not among these, with the reason.
-    pub(crate) left_out: Vec<(usize, CurveError)>,
 }
 
 /// Compares every border and trim edge with the others beside it, as far as no third one lies
@@ -77,17 +85,26 @@ pub(crate) fn fit(surfaces: &[Surface], drawings: &[Option<[usize; 2]>], sizes: 
     gaps.sort_by(|a, b| b.width.total_cmp(&a.width)); // stable: equal ones keep their order
     let turns = Turns::of(&crowd, |pair| !is_drawn(pair));
     let nearly = beside.difference(&meeting).count();
-    let Edges { curves, collapsed, trim_edges, left_out, .. } = edges;
+    let alone = |k: &usize| !meeting.contains(k) && !beside.contains(k);
+    let mut free: Vec<FreeBorder> = (0..edges.curves.len())
+        .filter(alone)
+        .map(|k| {
+            let (edge, curve) = &edges.curves[k];
+            let (length, at) = curve.kept();
+            FreeBorder { edge: *edge, length, at }
+        })
+        .collect();
+    free.sort_by(|a, b| b.length.total_cmp(&a.length)); // stable
+    let Edges { curves, collapsed, trim_edges, .. } = edges;
     Fit {
         borders: curves.len() + collapsed,
         trim_edges,
         collapsed,
         meeting: meeting.len(),
         nearly,
-        free: curves.len() - meeting.len() - nearly,
+        free,
         gaps,
         turns,
-        left_out,
     }
 }
 
@@ -138,7 +155,7 @@ mod tests {
                 })
                 .collect();
             let stack = fit(&plates, 2.0);
-            assert_eq!((stack.borders, stack.nearly, stack.free), (120, 120, 0));
+            assert_eq!((stack.borders, stack.nearly, stack.free.len()), (120, 120, 0));
             assert!(stack.gaps.len() < 4 * 30 * KEPT, "{}", stack.gaps.len());
             for k in 1..30 {
                 let width = height(k) - height(k - 1);
@@ -161,7 +178,7 @@ mod tests {
                 let enlarge = DAffine3::from_scale(DVec3::splat(scale));
                 let sheets = sheets.map(|sheet| sheet.transformed(&enlarge).unwrap());
                 let fit = fit(&sheets, 2.0 * scale);
-                assert_eq!((fit.borders, fit.nearly, fit.free), (8, 2, 6), "{scale} {width}");
+                assert_eq!((fit.borders, fit.nearly, fit.free.len()), (8, 2, 6), "{scale} {width}");
                 assert_eq!(fit.gaps.len(), 1);
                 let found = fit.gaps[0].width / scale;
                 assert!((found - width).abs() < 1e-14, "{scale}: {found} for {width}");
@@ -172,9 +189,9 @@ mod tests {
     #[test]
     fn sheets_that_meet_or_are_apart_have_no_gap() {
         let meet = fit(&[plane_at(0.0, 0.0, 0.0), plane_at(1.0, 0.0, 0.0)], 2.0);
-        assert_eq!((meet.meeting, meet.free, meet.gaps.len()), (2, 6, 0));
+        assert_eq!((meet.meeting, meet.free.len(), meet.gaps.len()), (2, 6, 0));
         let apart = fit(&[plane_at(0.0, 0.0, 0.0), plane_at(1.1, 0.0, 0.0)], 2.0);
-        assert_eq!((apart.meeting, apart.free, apart.gaps.len()), (0, 8, 0));
+        assert_eq!((apart.meeting, apart.free.len(), apart.gaps.len()), (0, 8, 0));
     }
 
     /// Two sheets of objects of these sizes.
@@ -230,13 +247,13 @@ mod tests {
         let early = [0.002, 0.004, 0.006, 0.008];
         let late = [0.992, 0.994, 0.996, 0.998];
         let torn = fit(&[sheet([0.0, 1.0], &early), sheet([1.0 + 1e-4, 2.0], &late)], 2.0);
-        assert_eq!((torn.nearly, torn.free, torn.gaps.len()), (2, 6, 1));
+        assert_eq!((torn.nearly, torn.free.len(), torn.gaps.len()), (2, 6, 1));
         assert!((torn.gaps[0].width - 1e-4).abs() < 1e-14, "{}", torn.gaps[0].width);
         // Borders that meet at a corner are not beside each other, however many knots are there.
         let tiny: Vec<f64> = (1..40).map(|k| 1e-5 * f64::from(k)).collect();
         for inner in [&[1e-4][..], &[1.0 - 1e-4], &early, &tiny] {
             let whole = fit(&[sheet([0.0, 1.0], inner)], 2.0);
-            assert_eq!((whole.free, whole.gaps.len()), (4, 0), "{inner:?}");
+            assert_eq!((whole.free.len(), whole.gaps.len()), (4, 0), "{inner:?}");
         }
     }
 
@@ -250,7 +267,7 @@ mod tests {
             let weights = [1.0, ratio, ratio * ratio].map(|weight| [weight; 2]).concat();
             let bent = NurbsSurface::new(knots(2), knots(1), net.concat(), Some(weights)).unwrap();
             let fit = fit(&[bent], 8.0);
-            assert_eq!((fit.borders, fit.free), (4, 4), "{ratio}");
+            assert_eq!((fit.borders, fit.free.len()), (4, 4), "{ratio}");
         }
     }
 
@@ -265,10 +282,10 @@ mod tests {
         let faces = faces
             .map(|[a, b, c, d]| uneven(&[[corner(a), corner(b)], [corner(c), corner(d)]], &[]));
         let closed = fit(&faces, 1.5);
-        assert_eq!((closed.meeting, closed.free, closed.gaps.len()), (24, 0, 0));
+        assert_eq!((closed.meeting, closed.free.len(), closed.gaps.len()), (24, 0, 0));
         // Without a narrow side there is one.
         let open = fit(&faces[..5], 1.5);
-        assert_eq!((open.nearly, open.free, open.gaps.len()), (2, 2, 1), "{:?}", open.gaps);
+        assert_eq!((open.nearly, open.free.len(), open.gaps.len()), (2, 2, 1), "{:?}", open.gaps);
         assert!((open.gaps[0].width - 5e-4).abs() < 1e-14, "{}", open.gaps[0].width);
     }
 
@@ -299,7 +316,7 @@ mod tests {
             let torn = uneven(&[line(0.0), line(1.0), line(1.0 + apart), line(2.0)], &[]);
             let torn = fit(&[torn], 2.0);
             assert_eq!((torn.borders, torn.meeting, torn.nearly), (6, meeting, nearly), "{apart}");
-            assert_eq!((torn.free, torn.gaps.len()), (4, nearly / 2), "{apart}");
+            assert_eq!((torn.free.len(), torn.gaps.len()), (4, nearly / 2), "{apart}");
             for gap in &torn.gaps {
                 assert!((gap.width - apart).abs() < 1e-14, "{}", gap.width);
                 let names = gap.edges.map(|edge| edge.which.to_string());
@@ -324,7 +341,7 @@ mod tests {
             let sizes = vec![2.0; surfaces.len()];
             let Fit { borders, trim_edges, meeting, nearly, free, gaps, .. } =
                 super::fit(surfaces, &[], &sizes);
-            ([borders, trim_edges, meeting, nearly, free], gaps.len())
+            ([borders, trim_edges, meeting, nearly, free.len()], gaps.len())
         };
         assert_eq!(counts(&[plate(0.0, &square)]), ([4, 0, 0, 0, 4], 0), "its borders");
         assert_eq!(counts(&[plate(0.0, &disc)]), ([1, 1, 0, 0, 1], 0));
@@ -337,18 +354,19 @@ mod tests {
         assert_eq!((borders, trim_edges), (4, 1), "none along u = 0");
     }
 
-    /// Borders are known where trim edges are no curves of a supported degree.
+    /// A circle on a surface of degrees 9 and 9 has degree 36, which no NURBS curve here may have.
     #[test]
-    fn borders_are_known_where_edges_are_not() {
+    fn edges_of_any_degree_are_known() {
         let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from);
         let square = TrimLoop::polygon(&square).unwrap();
         let hole = TrimLoop::circle(DVec2::splat(0.5), 0.2).unwrap();
         let plane = plane_at(0.0, 0.0, 0.0).elevated_u(8).unwrap().elevated_v(8).unwrap();
         let domain = TrimDomain::of(&plane).unwrap();
         let trims = Trims::new(domain, Kept::Odd, &[square, hole]).unwrap();
-        let plate = TrimmedSurface::new(plane, trims).unwrap().into();
-        let fit = super::fit(&[plate], &[], &[2.0]);
-        assert_eq!((fit.left_out.len(), fit.borders, fit.trim_edges, fit.free), (1, 4, 0, 4));
+        let plate = TrimmedSurface::new(plane, trims).unwrap();
+        assert!(plate.edge_curves().is_err());
+        let fit = super::fit(&[plate.into()], &[], &[2.0]);
+        assert_eq!((fit.borders, fit.trim_edges, fit.free.len()), (5, 1, 5));
     }
 
     /// An octant has three sides and a pole; a loop along all of them adds no edge.
@@ -361,7 +379,7 @@ mod tests {
         let trims = Trims::new(domain, Kept::Odd, &[whole]).unwrap();
         let octant = TrimmedSurface::new(octant, trims).unwrap().into();
         let fit = super::fit(&[octant], &[], &[2.0]);
-        assert_eq!((fit.trim_edges, fit.collapsed, fit.free, fit.gaps.len()), (0, 1, 3, 0));
+        assert_eq!((fit.trim_edges, fit.collapsed, fit.free.len(), fit.gaps.len()), (0, 1, 3, 0));
     }
 
     /// Across a narrow surface, and in a sharp tip of one, there is no gap, but there is where a
@@ -370,7 +388,7 @@ mod tests {
     fn the_width_of_a_surface_is_no_gap() {
         let strip = shapes::plane(1.0, 1e-3).unwrap();
         let fit_of = |strip: &NurbsSurface| fit(std::slice::from_ref(strip), 2.0);
-        assert_eq!((fit_of(&strip).free, fit_of(&strip).gaps.len()), (4, 0));
+        assert_eq!((fit_of(&strip).free.len(), fit_of(&strip).gaps.len()), (4, 0));
 
         let domain = TrimDomain::of(&strip).unwrap();
         let tip = [(0.1, 0.1), (0.9, 0.1), (0.5, 0.8)].map(DVec2::from);
@@ -379,7 +397,7 @@ mod tests {
         let tip = TrimmedSurface::new(strip, trims).unwrap().into();
         let fit = super::fit(&[tip], &[], &[2.0]);
         // Two of its sides are nearly in line.
-        assert_eq!((fit.trim_edges, fit.free, fit.gaps.len()), (2, 2, 0));
+        assert_eq!((fit.trim_edges, fit.free.len(), fit.gaps.len()), (2, 2, 0));
 
         // A strip bent into a tube that stays open.
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 1e-3]];
@@ -400,9 +418,9 @@ mod tests {
     #[test]
     fn seams_and_poles_of_closed_shapes_fit() {
         let sphere = fit(&[shapes::sphere(1.0).unwrap()], 2.0);
-        assert_eq!((sphere.collapsed, sphere.meeting, sphere.free), (2, 2, 0));
+        assert_eq!((sphere.collapsed, sphere.meeting, sphere.free.len()), (2, 2, 0));
         let torus = fit(&[shapes::torus(3.0, 1.0).unwrap()], 8.0);
-        assert_eq!((torus.collapsed, torus.meeting, torus.free), (0, 4, 0));
+        assert_eq!((torus.collapsed, torus.meeting, torus.free.len()), (0, 4, 0));
         assert!(sphere.gaps.is_empty() && torus.gaps.is_empty());
     }
 
@@ -421,7 +439,7 @@ mod tests {
         };
         let whole = super::fit(&[part(Kept::Odd, 0.0), part(Kept::Even, 0.0)], &[], &[4.0; 2]);
         assert_eq!((whole.trim_edges, whole.gaps.len()), (2, 0));
-        assert_eq!((whole.collapsed, whole.meeting, whole.free), (2, 4, 0));
+        assert_eq!((whole.collapsed, whole.meeting, whole.free.len()), (2, 4, 0));
         // Larger by 1e-5, a part is 2e-5 off all along its edge.
         let torn = super::fit(&[part(Kept::Odd, 1e-5), part(Kept::Even, 0.0)], &[], &[4.0; 2]);
         assert_eq!((torn.meeting, torn.nearly, torn.gaps.len()), (2, 2, 1));

@@ -8,7 +8,7 @@ use nurbray::scene::ImportNote;
 use serde_json::{Value, json};
 
 use super::facts::{Facts, SurfaceFacts};
-use super::gaps::{Fit, Gap};
+use super::gaps::{Fit, FreeBorder, Gap};
 use super::turns::Turned;
 
 /// All that is known, with the time it took to build the hierarchy.
@@ -37,15 +37,13 @@ pub(super) fn json(
             "collapsed": fit.collapsed,
             "meeting": fit.meeting,
             "nearly_meeting": fit.nearly,
-            "free": fit.free,
+            "free": fit.free.len(),
         },
-        "edges_left_out": fit.left_out.iter().map(|(surface, error)| {
-            json!({ "surface": surface, "why": error.to_string() })
-        }).collect::<Value>(),
         "turns": {
             "judged": fit.turns.judged,
             "opposite": fit.turns.opposite.iter().map(turned_json).collect::<Value>(),
         },
+        "free_borders": fit.free.iter().map(free_json).collect::<Value>(),
         "gaps": fit.gaps.iter().map(|gap| gap_json(gap, facts.size())).collect::<Value>(),
         "not_imported": notes.iter().map(note_json).collect::<Value>(),
     })
@@ -106,6 +104,15 @@ fn turned_json(pair: &Turned) -> Value {
         "surfaces": pair.edges.map(|edge| edge.surface),
         "edges": pair.edges.map(|edge| edge.which.to_string()),
         "at": pair.at.to_array(),
+    })
+}
+
+fn free_json(border: &FreeBorder) -> Value {
+    json!({
+        "surface": border.edge.surface,
+        "edge": border.edge.which.to_string(),
+        "length": border.length,
+        "at": border.at.to_array(),
     })
 }
 

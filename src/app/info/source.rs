@@ -28,19 +28,28 @@ pub(super) enum Source<'a> {
 }
 
 impl Source<'_> {
-    pub(super) fn knots(&self) -> &KnotVector {
-        match self {
-            Self::Border { surface, border, .. } => border.knots(surface),
-            Self::Side { curve, .. } => curve.knots(),
-            Self::Edge { edge, .. } => edge.curve().knots(),
-        }
+    /// The parts of a range of its parameter on which it is smooth, in order.
+    pub(super) fn spans(&self, [from, to]: [f64; 2]) -> Vec<[f64; 2]> {
+        let of_knots = |knots: &KnotVector| -> Vec<[f64; 2]> {
+            knots.spans_between(from, to).map(|span| [span.start, span.end]).collect()
+        };
+        let spans = match self {
+            Self::Border { surface, border, .. } => of_knots(border.knots(surface)),
+            Self::Side { curve, .. } => of_knots(curve.knots()),
+            Self::Edge { edge, .. } => {
+                let holds = |[start, end]: &[f64; 2]| from < *end && *start < to;
+                edge.spans().filter(holds).collect()
+            }
+        };
+        let within = spans.into_iter().map(|[start, end]| [start.max(from), end.min(to)]);
+        within.filter(|[start, end]| start < end).collect()
     }
 
     pub(super) fn point(&self, t: f64) -> DVec3 {
         match self {
             Self::Border { surface, border, .. } => border.point(surface, t),
             Self::Side { curve, .. } => curve.point_at(t),
-            Self::Edge { edge, .. } => edge.curve().point_at(t),
+            Self::Edge { edge, .. } => edge.point_at(t),
         }
     }
 
@@ -50,7 +59,7 @@ impl Source<'_> {
             Self::Border { surface, border, row: None, .. } => return border.tangent(surface, t),
             Self::Border { row: Some(row), .. } => row,
             Self::Side { curve, .. } => curve,
-            Self::Edge { edge, .. } => edge.curve(),
+            Self::Edge { edge, .. } => return edge.tangent_at(t).into(),
         };
         let at = curve.derivatives(t);
         (at.point, at.first)

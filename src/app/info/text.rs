@@ -11,11 +11,11 @@ use super::super::table::{count, long_point, short, short_bytes, short_point, ta
 use super::edges::Edge;
 use super::extent::tolerance;
 use super::facts::{Facts, SurfaceFacts};
-use super::gaps::{Fit, Gap};
+use super::gaps::{Fit, FreeBorder, Gap};
 use super::nearness::{NEAR, NEAR_SMALLER};
 use super::turns::{Turned, Turns};
 
-/// More gaps, pairs or collapsed edges than this are counted, not listed: `--json` has them all.
+/// More gaps, pairs, free borders or collapsed edges than this are counted, not listed: `--json` has them all.
 const LISTED: usize = 20;
 
 /// Gaps in trim loops that are no wider come from numbers written with seven digits.
@@ -168,19 +168,29 @@ fn borders(fit: &Fit, facts: &Facts) -> String {
         fit.collapsed,
         fit.meeting,
         fit.nearly,
-        fit.free
+        fit.free.len()
     );
-    for (surface, error) in &fit.left_out {
-        let name = &facts.surfaces[*surface].name;
-        let _ = writeln!(
-            text,
-            "trim edges of {surface} {name} are neither counted nor searched for gaps, for want of \
-             their curves in space: {error}"
-        );
-    }
     text += &turned(fit, facts);
     text += &gaps(fit, facts);
-    text
+    text + &free(fit, facts)
+}
+
+/// The free borders of a model that has others, too: where it is open.
+fn free(fit: &Fit, facts: &Facts) -> String {
+    if fit.free.is_empty() || fit.meeting + fit.nearly == 0 {
+        return String::new();
+    }
+    let mut text = format!("{}, longest first:\n", count(fit.free.len() as u64, "free border"));
+    let row = |border: &FreeBorder| {
+        vec![
+            format!("  {}", edge(&border.edge, facts)),
+            format!("{} long", short(border.length)),
+            format!("at {}", short_point(border.at)),
+        ]
+    };
+    let rows: Vec<Vec<String>> = fit.free.iter().take(LISTED).map(row).collect();
+    text += &table(&rows, &[0, 1, 2]);
+    text + &more(fit.free.len())
 }
 
 /// The pairs of borders that meet, or nearly, with surfaces turned opposite ways.
@@ -216,9 +226,8 @@ fn turned(fit: &Fit, facts: &Facts) -> String {
 
 fn gaps(fit: &Fit, facts: &Facts) -> String {
     if fit.gaps.is_empty() {
-        let among = if fit.left_out.is_empty() { "" } else { " among the other edges" };
         return format!(
-            "no gaps{among} up to {NEAR:e} of the size of the objects (between two, of the larger \
+            "no gaps up to {NEAR:e} of the size of the objects (between two, of the larger \
              one's, and {NEAR_SMALLER:e} of the smaller one's)\n"
         );
     }

@@ -2,8 +2,8 @@
 
 use glam::{DVec2, DVec3};
 use nurbray::geometry::{
-    CurveError, Direction, LimitSurface, NurbsCurve, NurbsSurface, RectSide, Surface,
-    TrianglePatch, TrimmedSurface,
+    Direction, LimitSurface, NurbsCurve, NurbsSurface, RectSide, Surface, TrianglePatch, TrimEdge,
+    TrimmedSurface,
 };
 use nurbray::scene::{Plane, PlottedSurface};
 use plotters::style::RGBColor;
@@ -35,6 +35,11 @@ impl Line {
         Self { at: Box::new(move |t| curve.point_at(t)), pieces }
     }
 
+    fn along(edge: TrimEdge) -> Self {
+        let pieces = edge.spans().collect();
+        Self { at: Box::new(move |t| edge.point_at(t)), pieces }
+    }
+
     /// Some points of it.
     fn points(&self) -> impl Iterator<Item = DVec3> + '_ {
         let shares = (0..=LOOKS).map(|k| f64::from(k) / f64::from(LOOKS));
@@ -61,12 +66,12 @@ pub(super) fn surfaces(
     title: Option<String>,
     plane: Option<Plane>,
     (plotted, lines, net): (&[PlottedSurface], usize, bool),
-) -> Result<Panel, CurveError> {
+) -> Panel {
     let mut drawn = Lines::default();
     for one in plotted {
         match &one.surface {
             Surface::Nurbs(surface) => drawn.nurbs(surface, lines),
-            Surface::Trimmed(surface) => drawn.trimmed(surface, lines)?,
+            Surface::Trimmed(surface) => drawn.trimmed(surface, lines),
             Surface::Triangle(patch) => drawn.triangle(patch, lines),
             Surface::Limit(surface) => drawn.limit(surface, lines),
             // Surfaces of any other kind are drawn by their points.
@@ -108,7 +113,7 @@ pub(super) fn surfaces(
         legend.push((Key::Point(Mark::Ring, GREY), "control points".to_owned()));
     }
     let title = title.unwrap_or_else(|| "In space".to_owned());
-    Ok(projection.panel(title, items, legend))
+    projection.panel(title, items, legend)
 }
 
 /// `count` evenly spaced values between two others.
@@ -126,15 +131,14 @@ impl Lines {
         }
     }
 
-    fn trimmed(&mut self, trimmed: &TrimmedSurface, lines: usize) -> Result<(), CurveError> {
+    fn trimmed(&mut self, trimmed: &TrimmedSurface, lines: usize) {
         for direction in Direction::BOTH {
             let kept = |at: f64| trimmed.kept_curves(direction, at).unwrap_or_default();
             let ends = trimmed.surface().knots(direction).domain();
             self.borders.extend(ends.into_iter().flat_map(kept).map(Line::of));
             self.inner.extend(between(ends, lines).flat_map(kept).map(Line::of));
         }
-        self.edges.extend(trimmed.edge_curves()?.into_iter().map(Line::of));
-        Ok(())
+        self.edges.extend(trimmed.edges().into_iter().map(Line::along));
     }
 
     fn triangle(&mut self, patch: &TrianglePatch, lines: usize) {

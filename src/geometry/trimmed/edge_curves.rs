@@ -1,7 +1,10 @@
-//! Trim edges in space: curves on a surface, exactly.
+//! Trim edges: where they run over a surface, and the same as curves in space, exactly.
+
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
+use super::trim_edge::Piece;
 use super::{TrimEdge, TrimmedSurface};
 use crate::geometry::knots::MAX_DEGREE;
 use crate::geometry::trim::EdgePiece;
@@ -11,59 +14,39 @@ use crate::geometry::{
 use crate::math::bernstein::binomial;
 
 /// Two pieces of an edge are joined if their ends agree to this many roundings of the surface's
-/// largest coordinate: a surface with a knot of full multiplicity may jump.
+/// largest coordinate: a surface with a knot of full multiplicity may jump. An edge no longer than
+/// that is a point.
 const JOINT: f64 = 256.0;
 
 impl TrimmedSurface {
-    /// The trim edges in space, `S(c(t))` for the trim curves `c`. Each loop gives its part in the
-    /// closed domain, in the loop's direction: one curve, or several where the domain cuts the loop
-    /// or the surface jumps.
-    ///
-    /// They are exact except for rounding: a rational Bézier curve of degree d within a piece of
-    /// the surface of degrees p and q is one of degree (p + q) d in space (DeRose, Goldman, Hagen &
-    /// Mann, "Functional composition algorithms via blossoming", 1993; here by products of
-    /// Bernstein polynomials).
-    ///
-    /// # Errors
-    /// When that degree exceeds [`MAX_DEGREE`], or a weight or point is beyond the range of f64.
-    pub fn edge_curves(&self) -> Result<Vec<NurbsCurve>, CurveError> {
-        Ok(self.edges()?.into_iter().map(TrimEdge::into_curve).collect())
-    }
-
-    /// The [trim edges in space](Self::edge_curves), with their curves in (u, v).
-    ///
-    /// # Errors
-    /// As [`TrimmedSurface::edge_curves`].
-    pub fn edges(&self) -> Result<Vec<TrimEdge>, CurveError> {
-        let form = Pieces::new(self.surface());
+    /// The trim edges, `S(c(t))` for the trim curves `c`. Each loop gives its part in the closed
+    /// domain, in the loop's direction: one edge, or several where the domain cuts the loop or the
+    /// surface jumps. Edges that are points, as along a pole, are left out.
+    pub fn edges(&self) -> Vec<TrimEdge> {
+        let form = BezierForm::new(self.surface());
         let cuts = form.lines.each_ref().map(Vec::as_slice);
         let mut edges = Vec::new();
         for chain in self.trims().edge_chains(cuts) {
-            let mut parts: Vec<(Vec<DVec4>, Vec<Vec<DVec3>>)> = Vec::new();
-            let degree = chain.first().map_or(1, |piece| form.degree(piece));
+            let mut parts: Vec<Vec<Piece>> = Vec::new();
             for piece in chain {
-                let lifted = form.lifted(&piece)?;
+                let piece = form.cell_of(piece);
                 match parts.last_mut() {
-                    Some((part, pieces)) if form.joins(part, &lifted) => {
-                        append(part, lifted);
-                        pieces.push(piece.control);
-                    }
-                    _ => parts.push((lifted, vec![piece.control])),
+                    Some(part) if form.joins(&part[part.len() - 1], &piece) => part.push(piece),
+                    _ => parts.push(vec![piece]),
                 }
             }
-            for (part, pieces) in parts {
-                let mut knots = vec![0.0];
-                for k in 0..=pieces.len() {
-                    knots.extend(vec![k as f64; degree]);
-                }
-                knots.push(pieces.len() as f64);
-                let curve = NurbsCurve::from_homogeneous(KnotVector::new(degree, knots)?, part)?;
-                if !curve.is_point() {
-                    edges.push(TrimEdge::new(curve, pieces));
-                }
-            }
+            let parts = parts.into_iter().filter(|part| !form.is_point(part));
+            edges.extend(parts.map(|part| TrimEdge::new(Arc::clone(&form.surface), part)));
         }
-        Ok(edges)
+        edges
+    }
+
+    /// The [trim edges](Self::edges) as NURBS curves in space.
+    ///
+    /// # Errors
+    /// As [`TrimEdge::curve`].
+    pub fn edge_curves(&self) -> Result<Vec<NurbsCurve>, CurveError> {
+        self.edges().iter().map(TrimEdge::curve).collect()
     }
 
     /// The kept stretches of the [curve](NurbsSurface::curve_at) on which one parameter is `at`,
@@ -79,8 +62,8 @@ impl TrimmedSurface {
 }
 
 /// A surface as Bézier pieces.
-struct Pieces {
-    form: NurbsSurface,
+struct BezierForm {
+    surface: Arc<NurbsSurface>,
     /// The parameters at which pieces end, in u and in v.
     lines: [Vec<f64>; 2],
     /// The largest coordinate of the surface's control points. Errors of points are relative to it,
@@ -88,66 +71,104 @@ struct Pieces {
     largest: f64,
 }
 
-impl Pieces {
+impl BezierForm {
     fn new(surface: &NurbsSurface) -> Self {
-        let form = surface.bezier_form();
-        let lines = [form.knots_u(), form.knots_v()].map(|knots| {
+        let surface = surface.bezier_form();
+        let lines = [surface.knots_u(), surface.knots_v()].map(|knots| {
             let [_, end] = knots.domain();
             knots.spans().map(|span| span.start).chain([end]).collect()
         });
         let largest = |point: DVec3| point.abs().max_element();
         let points = surface.control().iter().map(|c| largest(c.xyz() / c.w));
         let largest = points.fold(0.0, f64::max);
-        Self { form, lines, largest }
+        Self { surface: Arc::new(surface), lines, largest }
     }
 
-    /// Whether the next piece of an edge begins where a part of it ends.
-    fn joins(&self, part: &[DVec4], next: &[DVec4]) -> bool {
-        let (a, b) = (part[part.len() - 1], next[0]);
-        (a.xyz() / a.w).distance(b.xyz() / b.w) <= JOINT * f64::EPSILON * self.largest
-    }
-
-    /// The degree of an edge's piece in space.
-    fn degree(&self, piece: &EdgePiece) -> usize {
-        let [p, q] = [self.form.knots_u().degree(), self.form.knots_v().degree()];
-        (p + q) * (piece.control.len() - 1)
-    }
-
-    /// The homogeneous control points of an edge's piece in space.
-    fn lifted(&self, piece: &EdgePiece) -> Result<Vec<DVec4>, CurveError> {
-        let degree = self.degree(piece);
-        if degree > MAX_DEGREE {
-            return Err(KnotError::Degree { degree }.into());
-        }
+    /// A piece of an edge, with the Bézier piece that it lies in.
+    fn cell_of(&self, piece: EdgePiece) -> Piece {
         let middle = piece.middle();
         let span = |knots: &KnotVector, t: f64| {
             let index = knots.span_index(t);
-            (index, [knots.values()[index], knots.values()[index + 1]])
+            (index - knots.degree(), [knots.values()[index], knots.values()[index + 1]])
         };
-        let (i, [u0, u1]) = span(self.form.knots_u(), middle.x);
-        let (j, [v0, v1]) = span(self.form.knots_v(), middle.y);
-        let [p, q] = [self.form.knots_u().degree(), self.form.knots_v().degree()];
+        let (i, [u0, u1]) = span(self.surface.knots_u(), middle.x);
+        let (j, [v0, v1]) = span(self.surface.knots_v(), middle.y);
         let local = piece.within(DVec2::new(u0, v0), DVec2::new(u1, v1));
+        Piece { control: piece.control, local, first: [i, j] }
+    }
 
-        // Σ Σ C(p, a) C(q, b) Xᵃ (W − X)ᵖ⁻ᵃ Yᵇ (W − Y)^(q−b) P_ab with x = X / W and y = Y / W. The
-        // Bernstein coefficients of each factor include their binomials: products are convolutions.
-        let scaled = |of: fn(DVec3) -> f64| -> Vec<f64> {
-            let n = local.len() - 1;
-            local.iter().enumerate().map(|(k, &c)| binomial(n, k) * of(c)).collect()
-        };
-        let along_u = blends(&scaled(|c| c.x), &scaled(|c| c.z - c.x), p);
-        let along_v = blends(&scaled(|c| c.y), &scaled(|c| c.z - c.y), q);
-        let mut sum = vec![DVec4::ZERO; degree + 1];
-        for (a, blend_u) in along_u.iter().enumerate() {
-            for (b, blend_v) in along_v.iter().enumerate() {
-                let point = self.form.homogeneous(i - p + a, j - q + b);
-                for (sum, factor) in sum.iter_mut().zip(product(blend_u, blend_v)) {
-                    *sum += factor * point;
-                }
+    /// Whether a piece of an edge begins where another one ends.
+    fn joins(&self, before: &Piece, next: &Piece) -> bool {
+        let [end, _] = before.at(&self.surface, 1.0);
+        let [start, _] = next.at(&self.surface, 0.0);
+        self.are_one(end, start)
+    }
+
+    /// Whether all of an edge is one point. A piece of degree n that has the same point at n + 1
+    /// places has it everywhere.
+    fn is_point(&self, pieces: &[Piece]) -> bool {
+        let [start, _] = pieces[0].at(&self.surface, 0.0);
+        pieces.iter().all(|piece| {
+            let degree = piece.degree(&self.surface);
+            let mut shares = (0..=degree).map(|k| k as f64 / degree as f64);
+            shares.all(|share| self.are_one(start, piece.at(&self.surface, share)[0]))
+        })
+    }
+
+    fn are_one(&self, a: DVec3, b: DVec3) -> bool {
+        a.distance(b) <= JOINT * f64::EPSILON * self.largest
+    }
+}
+
+impl TrimEdge {
+    /// The edge as a curve in space, with the same parameter.
+    ///
+    /// It is exact except for rounding: a rational Bézier curve of degree d within a piece of the
+    /// surface of degrees p and q is one of degree (p + q) d in space (DeRose, Goldman, Hagen &
+    /// Mann, "Functional composition algorithms via blossoming", 1993; here by products of
+    /// Bernstein polynomials).
+    ///
+    /// # Errors
+    /// When that degree exceeds [`MAX_DEGREE`], or a weight or point is beyond the range of f64.
+    pub fn curve(&self) -> Result<NurbsCurve, CurveError> {
+        let degree = self.pieces()[0].degree(self.form()); // that of all
+        if degree > MAX_DEGREE {
+            return Err(KnotError::Degree { degree }.into());
+        }
+        let mut control = Vec::new();
+        let mut knots = vec![0.0];
+        for (k, piece) in self.pieces().iter().enumerate() {
+            append(&mut control, lifted(piece, self.form()));
+            knots.extend(vec![k as f64; degree]);
+        }
+        let [_, end] = self.domain();
+        knots.extend(vec![end; degree + 1]);
+        NurbsCurve::from_homogeneous(KnotVector::new(degree, knots)?, control)
+    }
+}
+
+/// The homogeneous control points in space of an edge's piece.
+fn lifted(piece: &Piece, form: &NurbsSurface) -> Vec<DVec4> {
+    let (degree, [p, q]) = (piece.degree(form), form.degree());
+    // Σ Σ C(p, a) C(q, b) Xᵃ (W − X)ᵖ⁻ᵃ Yᵇ (W − Y)^(q−b) P_ab with x = X / W and y = Y / W. The
+    // Bernstein coefficients of each factor include their binomials: products are convolutions.
+    let scaled = |of: fn(DVec3) -> f64| -> Vec<f64> {
+        let n = piece.local.len() - 1;
+        piece.local.iter().enumerate().map(|(k, &c)| binomial(n, k) * of(c)).collect()
+    };
+    let along_u = blends(&scaled(|c| c.x), &scaled(|c| c.z - c.x), p);
+    let along_v = blends(&scaled(|c| c.y), &scaled(|c| c.z - c.y), q);
+    let [i, j] = piece.first;
+    let mut sum = vec![DVec4::ZERO; degree + 1];
+    for (a, blend_u) in along_u.iter().enumerate() {
+        for (b, blend_v) in along_v.iter().enumerate() {
+            let point = form.homogeneous(i + a, j + b);
+            for (sum, factor) in sum.iter_mut().zip(product(blend_u, blend_v)) {
+                *sum += factor * point;
             }
         }
-        Ok(sum.into_iter().enumerate().map(|(k, c)| c / binomial(degree, k)).collect())
     }
+    sum.into_iter().enumerate().map(|(k, c)| c / binomial(degree, k)).collect()
 }
 
 /// `C(p, a) Xᵃ Zᵖ⁻ᵃ` for a = 0 … p.
@@ -178,11 +199,15 @@ fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
     product
 }
 
-/// Appends a piece to a part, which keeps its own last point; the piece's weights are scaled to
+/// Appends a piece to a curve, which keeps its own last point; the piece's weights are scaled to
 /// fit.
-fn append(part: &mut Vec<DVec4>, next: Vec<DVec4>) {
-    let scale = part[part.len() - 1].w / next[0].w;
-    part.extend(next.into_iter().skip(1).map(|point| scale * point));
+fn append(curve: &mut Vec<DVec4>, piece: Vec<DVec4>) {
+    let Some(last) = curve.last() else {
+        curve.extend(piece);
+        return;
+    };
+    let scale = last.w / piece[0].w;
+    curve.extend(piece.into_iter().skip(1).map(|point| scale * point));
 }
 
 #[cfg(test)]
@@ -408,7 +433,7 @@ mod tests {
             assert!(near(sphere.point_at(at)) < 0.03, "{at}");
         }
 
-        // (5 + 5) · 4 is too much.
+        // (5 + 5) · 4 is too much for a NURBS curve, not for an edge.
         let plane = shapes::plane(1.0, 1.0).unwrap();
         let high = plane.elevated_u(4).unwrap().elevated_v(4).unwrap();
         let quartic = [[0.2, 0.2], [0.2, 0.9], [0.5, 0.9], [0.8, 0.9], [0.8, 0.2]].map(DVec2::from);
@@ -416,8 +441,14 @@ mod tests {
             TrimCurve::bezier(&quartic, None).unwrap(),
             TrimCurve::line(quartic[4], quartic[0]).unwrap(),
         ];
-        let error = trimmed(high, &[TrimLoop::new(&curves).unwrap()]).edge_curves().unwrap_err();
+        let edges = trimmed(high, &[TrimLoop::new(&curves).unwrap()]).edges();
+        assert_eq!(edges.len(), 1);
+        let error = edges[0].curve().unwrap_err();
         assert_eq!(error.to_string(), "degree 40: degrees from 1 to 32 are supported");
+        for t in [0.0, 0.3, 0.999, 1.0, 1.7, 2.0] {
+            let [uv, _] = edges[0].uv_at(t);
+            assert!(edges[0].point_at(t).distance(plane.point_at(uv)) < 2e-15, "{t}");
+        }
     }
 
     #[test]
