@@ -168,7 +168,14 @@ pub(crate) fn svg(rows: &[Vec<Panel>]) -> Result<String, Error> {
         }
         root.present().map_err(failed)?;
     }
-    Ok(text)
+    Ok(only_xml(text))
+}
+
+/// A drawing without the characters that XML 1.0 excludes (control characters, U+FFFE and U+FFFF),
+/// which names of files and surfaces may have: U+FFFD stands for them.
+pub(crate) fn only_xml(text: String) -> String {
+    let is_xml = |c: char| matches!(c, '\t' | '\n' | '\r' | ' '..='\u{fffd}' | '\u{10000}'..);
+    if text.chars().all(is_xml) { text } else { text.replace(|c| !is_xml(c), "\u{fffd}") }
 }
 
 /// The scale of all panels of one quantity.
@@ -227,6 +234,12 @@ fn decades(range: Range<f64>) -> Range<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_have_only_characters_of_xml() {
+        assert_eq!(only_xml("a\tü\u{10ffff}\u{fffd}\n".into()), "a\tü\u{10ffff}\u{fffd}\n");
+        assert_eq!(only_xml("a\u{1}b\u{fffe}c\u{ffff}".into()), "a\u{fffd}b\u{fffd}c\u{fffd}");
+    }
 
     fn panel(points: &[(f64, f64)]) -> Panel {
         Panel {

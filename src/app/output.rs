@@ -94,19 +94,20 @@ fn check_only(path: &Path, known: &'static str) -> Result<(), Failure> {
     if is_stream { Ok(()) } else { format(path, &[known]).map(drop) }
 }
 
-/// Whether standard output is a pipe and a path leads into it: anything else printed there would
-/// end up among the hits or rays.
+/// Whether standard output is a pipe or a file and a path leads there: anything else printed would
+/// end up among the hits or rays, or, as a new file takes the old one's place, nowhere.
 pub(crate) fn is_stdout(path: &Path) -> bool {
     #[cfg(unix)]
     {
         use std::os::unix::fs::{FileTypeExt, MetadataExt};
-        let pipe = |path: &Path| {
+        let stream = |path: &Path| {
             let found = path.metadata().ok()?;
             let kind = found.file_type();
-            (kind.is_fifo() || kind.is_socket()).then(|| (found.dev(), found.ino()))
+            let is_one = kind.is_fifo() || kind.is_socket() || kind.is_file();
+            is_one.then(|| (found.dev(), found.ino()))
         };
-        let found = pipe(path);
-        found.is_some() && found == pipe(Path::new("/dev/stdout"))
+        let found = stream(path);
+        found.is_some() && found == stream(Path::new("/dev/stdout"))
     }
     #[cfg(not(unix))]
     {
@@ -115,14 +116,14 @@ pub(crate) fn is_stdout(path: &Path) -> bool {
     }
 }
 
-/// Refuses to write a file into the pipe that the results are printed into.
+/// Refuses to write a file into the pipe or the file that the results are printed into.
 ///
 /// # Errors
 /// When the path leads there: wrong use.
 pub(crate) fn check_not_stdout(path: &Path) -> Result<(), Failure> {
     if is_stdout(path) {
         return Err(Failure::input(format!(
-            "{} is standard output, where the results are printed: write to a file",
+            "{} is standard output, where the results are printed: write to another file",
             Quoted(path)
         )));
     }

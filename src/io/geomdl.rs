@@ -296,8 +296,8 @@ impl<'a> Reader<'a> {
     fn net(&mut self, entry: &Entry<'a>) -> Result<Option<Net>, LoadError> {
         let item = &entry.item;
         let degree = [
-            self.needed(entry, "degree_u", item.degree_u)?.value,
-            self.needed(entry, "degree_v", item.degree_v)?.value,
+            self.needed(entry, "degree_u", item.degree_u)?,
+            self.needed(entry, "degree_v", item.degree_v)?,
         ];
         let size: [usize; 2] = [
             self.needed(entry, "size_u", item.size_u)?.value,

@@ -36,9 +36,10 @@ pub(super) fn nearest_file(path: &Path, endings: &[&str]) -> Option<PathBuf> {
     Some(path.with_file_name(name))
 }
 
-/// The name of a file without its folder and ending.
+/// The name of a file without its folder and ending, on one line.
 pub(super) fn stem(path: &Path) -> String {
-    path.file_stem().map_or_else(|| "model".to_owned(), |stem| stem.to_string_lossy().into_owned())
+    let name = path.file_stem().map(|stem| stem.to_string_lossy());
+    name.map_or_else(|| "model".to_owned(), |name| name.replace(char::is_control, "\u{fffd}"))
 }
 
 #[cfg(test)]

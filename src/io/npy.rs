@@ -52,10 +52,21 @@ pub fn read_rays(path: &Path) -> Result<Vec<Ray>, NpyError> {
             None => Ray::new(origin, direction),
         }
     };
-    let named = |(row, numbers)| {
-        ray(numbers).map_err(|reason| NpyError::Ray { path: path.to_owned(), row, reason })
-    };
-    table.rows().enumerate().map(named).collect()
+    let mut rays = room(table.row_count(), path)?;
+    for (row, numbers) in table.rows().enumerate() {
+        let read = ray(numbers);
+        rays.push(read.map_err(|reason| NpyError::Ray { path: path.to_owned(), row, reason })?);
+    }
+    Ok(rays)
+}
+
+/// An empty vector with room for so many items.
+fn room<T>(count: usize, path: &Path) -> Result<Vec<T>, NpyError> {
+    let mut items = Vec::new();
+    let no_memory = |_| io::Error::from(io::ErrorKind::OutOfMemory);
+    let reserved = items.try_reserve_exact(count).map_err(no_memory);
+    reserved.map_err(|reason| NpyError::Io { path: path.to_owned(), nearest: None, reason })?;
+    Ok(items)
 }
 
 /// Reads a table of float64 or float32 numbers, in either byte order and either order of
@@ -116,14 +127,7 @@ fn read_from(
     }
 
     // If the length is known, the numbers are there; else memory grows as they are read.
-    let mut values = Vec::new();
-    if length.is_some() {
-        let no_memory = |_| io::Error::from(io::ErrorKind::OutOfMemory);
-        values
-            .try_reserve_exact(count as usize)
-            .map_err(no_memory)
-            .map_err(|reason| NpyError::Io { path: path.to_owned(), nearest: None, reason })?;
-    }
+    let mut values = room(if length.is_some() { count as usize } else { 0 }, path)?;
     let order = header.order();
     let file = NpyFile::with_header(header, stream);
     let read = if item == 8 {
@@ -140,7 +144,7 @@ fn read_from(
         _ => NpyError::Io { path: path.to_owned(), nearest: None, reason },
     })?;
     if order == Order::Fortran {
-        values = transposed(&values, rows, width);
+        values = transposed(&values, [rows, width], room(values.len(), path)?);
     }
     Ok(Table { columns: width, values })
 }
@@ -152,9 +156,8 @@ fn fill(values: &mut Vec<f64>, data: impl Iterator<Item = io::Result<f64>>) -> i
     Ok(())
 }
 
-/// Reorders values from column after column to row after row.
-fn transposed(columns: &[f64], rows: usize, width: usize) -> Vec<f64> {
-    let mut values = Vec::with_capacity(columns.len());
+/// Reorders values from column after column to row after row, which are added to `values`.
+fn transposed(columns: &[f64], [rows, width]: [usize; 2], mut values: Vec<f64>) -> Vec<f64> {
     for row in 0..rows {
         values.extend((0..width).map(|column| columns[column * rows + row]));
     }
@@ -279,6 +282,34 @@ mod tests {
         }
         let empty = read(&file(&header("<f8", "False", "(0, 6)"), &[]), &[6]).unwrap();
         assert_eq!(empty.row_count(), 0);
+    }
+
+    /// Names of fields may have signs in them; sizes may not. Nothing hides brackets, which the parser
+    /// would take forever for.
+    #[test]
+    fn what_headers_are_made_of() {
+        let fields = "{'descr': [('d-x (', '<f8', (6,))], 'fortran_order': False, 'shape': (2,)}\n";
+        let found = message(&file(fields, &numbers(12, f64::to_le_bytes)));
+        assert!(found.starts_with("rays.npy: found "), "{found}");
+        let data = numbers(12, f64::to_le_bytes);
+        for (hidden, expected) in
+            [("'\\''", "its header has backslashes"), ("'a", "its header nests too many brackets")]
+        {
+            let (open, close) = ("{".repeat(26), "}".repeat(26));
+            let text = format!("{{'descr': {hidden}, 'x': {open}1{close}, 'shape': (2, 6)}}\n");
+            let found = message(&file(&text, &data));
+            assert_eq!(found, format!("rays.npy: not a NumPy .npy file: {expected}"));
+        }
+        for (shape, expected) in [
+            (
+                "(2L, 6L)",
+                "its sizes are written as by Python 2 (60L): numpy.load it, then numpy.save the array",
+            ),
+            ("(-1, 6)", "its header has signs or sums for sizes"),
+        ] {
+            let found = message(&file(&header("<f8", "False", shape), &data));
+            assert_eq!(found, format!("rays.npy: not a NumPy .npy file: {expected}"));
+        }
     }
 
     #[test]

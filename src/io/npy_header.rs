@@ -105,11 +105,21 @@ fn kind(header: &[u8]) -> Option<String> {
 fn check_text(text: &[u8], path: &Path) -> Result<(), NpyError> {
     let wrong = |found: &str| NpyError::Header { path: path.to_owned(), found: found.to_owned() };
     let mut depth = 0_usize;
-    for byte in text {
+    let mut quote = None;
+    for &byte in text {
         match byte {
+            b'\\' => return Err(wrong("its header has backslashes")),
             b'(' | b'[' | b'{' => depth += 1,
             b')' | b']' | b'}' => depth = depth.saturating_sub(1),
+            _ if quote == Some(byte) => quote = None,
+            _ if quote.is_some() => {} // names of fields may have other characters
+            b'\'' | b'"' => quote = Some(byte),
             b'+' | b'-' => return Err(wrong("its header has signs or sums for sizes")),
+            b'L' => {
+                return Err(wrong(
+                    "its sizes are written as by Python 2 (60L): numpy.load it, then numpy.save the array",
+                ));
+            }
             _ => {}
         }
         if depth > MAX_DEPTH {

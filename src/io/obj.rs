@@ -33,6 +33,7 @@
 
 mod tags;
 
+use std::borrow::Cow;
 use std::collections::HashSet;
 use std::num::IntErrorKind;
 
@@ -122,13 +123,14 @@ const REPEATED: (&str, &str) = ("f", "a corner repeated in a row counts once");
 /// Entry of the statements left out: faces left with fewer than three corners.
 const DEGENERATE: (&str, &str) = ("f", "a face of fewer than three corners is not used");
 
-/// Reads a cage; errors and notes call the file `label`.
+/// Reads a cage; errors and notes call the file `label`. Lines end with LF, CR LF, or, as in old
+/// files, CR.
 ///
 /// # Errors
 /// When a statement is not understood, or the faces do not make a cage; then the error's place is
 /// the face, vertex or tag that is at fault.
 pub fn read_obj_cage(text: &str, label: &str) -> Result<CageModel, LoadError> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let text = &with_line_feeds(text.strip_prefix('\u{feff}').unwrap_or(text));
     let mut reader = Reader {
         source: Source::new(text, label),
         parts: CageParts::default(),
@@ -141,6 +143,18 @@ pub fn read_obj_cage(text: &str, label: &str) -> Result<CageModel, LoadError> {
         reader.statement(&line)?;
     }
     reader.finish()
+}
+
+/// The text with LF in place of every CR that stands alone: no LF ends the run of them that it is
+/// in. (Files that were translated twice have CR CR LF.)
+fn with_line_feeds(text: &str) -> Cow<'_, str> {
+    let bytes = text.as_bytes();
+    let is_alone = |at: usize| bytes[at..].iter().find(|byte| **byte != b'\r') != Some(&b'\n');
+    if !text.match_indices('\r').any(|(at, _)| is_alone(at)) {
+        return text.into();
+    }
+    let line_feed = |(at, c): (usize, char)| if c == '\r' && is_alone(at) { '\n' } else { c };
+    text.char_indices().map(line_feed).collect::<String>().into()
 }
 
 /// The words of a statement.

@@ -248,7 +248,11 @@ pub fn read_scene(
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let source = Source::new(text, label);
     let Keyed(keys): Keyed<SceneKeys> = toml::from_str(text).map_err(|error| {
-        let span = error.span().unwrap_or(0..0);
+        let Some(span) = error.span() else {
+            // As where keys are nested too deeply.
+            let message = format!("it cannot be read as TOML: {}", error.message());
+            return LoadError::malformed(source.file().clone(), message);
+        };
         let message = slip(error.message(), &source, span.start)
             .unwrap_or_else(|| explain(error.message(), source.slice(span.clone())));
         let message = with_example(message, source.slice(0..span.start));

@@ -93,7 +93,9 @@ pub fn render(
 ) -> Result<Film, RenderError> {
     let film = Film::new(settings)?;
     let grid = TileGrid::new(film.window());
-    let pool = ThreadPoolBuilder::new().num_threads(settings.threads).build().map_err(|error| {
+    // More threads than tiles would only wait.
+    let threads = settings.threads.min(grid.count());
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| {
         RenderError::Threads { threads: settings.threads, reason: error.to_string() }
     })?;
 

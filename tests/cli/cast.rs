@@ -192,7 +192,7 @@ fn hits_go_down_a_pipe_alone() {
     let run = Run::from_output(Output { stdout: Vec::new(), ..output }).succeeded();
     assert!(run.stderr.starts_with("3 rays, 3 hits, 0 doubtful; "), "{}", run.stderr);
     let refused =
-        "\"/dev/stdout\" is standard output, where the results are printed: write to a file";
+        "\"/dev/stdout\" is standard output, where the results are printed: write to another file";
     for line in [
         "cast square.json --rays rays.npy -o /dev/stdout --json",
         "audit square.json --rays 50 --offenders /dev/stdout",
@@ -201,6 +201,12 @@ fn hits_go_down_a_pipe_alone() {
         sandbox.run(line).failed(2, refused);
     }
     sandbox.run("cast square.json --rays rays.npy -o /dev/null --json").succeeded();
+
+    // A file that the results are printed into would be replaced, and they with it.
+    let printed = std::fs::File::create(sandbox.path("both.npy")).unwrap();
+    let mut command = sandbox.command("cast square.json --rays rays.npy -o both.npy --json");
+    let output = command.stdout(printed).output().unwrap();
+    Run::from_output(output).failed(2, &refused.replace("/dev/stdout", "both.npy"));
 }
 
 #[test]

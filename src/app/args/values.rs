@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use nurbray::render::PixelRect;
-use nurbray::scene::Projection;
+use nurbray::scene::{Projection, RenderDefaults};
 
 use super::count::whole;
 
@@ -28,12 +28,12 @@ pub(crate) struct SampleRange {
 pub(crate) fn size(text: &str) -> Result<Size, String> {
     const NEED: &str = "a size is WIDTHxHEIGHT in pixels, both at least 1, such as 1024x768";
     let (width, height) = text.split_once(['x', 'X']).ok_or(NEED)?;
-    let side = |text| u32::try_from(whole(text)?).ok().filter(|&side| side > 0);
-    let [width, height] = [width, height].map(side);
-    match (width, height) {
-        (Some(width), Some(height)) => Ok(Size { width, height }),
-        _ => Err(NEED.into()),
-    }
+    let side = |text| whole(text).filter(|&side| side > 0);
+    let (Some(width), Some(height)) = (side(width), side(height)) else { return Err(NEED.into()) };
+    let most = RenderDefaults::MAX_SIDE;
+    let too_large = |_| format!("a side of a picture has at most {most} pixels");
+    let [width, height] = [width, height].map(|side| u32::try_from(side).map_err(too_large));
+    Ok(Size { width: width?, height: height? })
 }
 
 /// Parses `X0,Y0,X1,Y1`.
@@ -136,11 +136,12 @@ mod tests {
             "-640x1",
             "640x480x3",
             "1.5x2",
-            "99999999999x1",
         ] {
             let needed = "a size is WIDTHxHEIGHT in pixels, both at least 1, such as 1024x768";
             assert_eq!(size(wrong), Err(needed.to_owned()), "{wrong}");
         }
+        let large = "a side of a picture has at most 65536 pixels";
+        assert_eq!(size("99999999999x1"), Err(large.to_owned()));
     }
 
     #[test]

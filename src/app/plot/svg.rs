@@ -9,6 +9,7 @@ use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::super::chart::only_xml;
 use super::area::keyhole;
 use super::dashes::dashed;
 use super::flatten::flatten;
@@ -119,7 +120,8 @@ pub(super) fn svg(panels: &[Panel], columns: usize, size: [u32; 2]) -> Result<St
     }
     let [width, height] = large;
     let shown = format!("<svg width=\"{}\" height=\"{}\"", size[0], size[1]);
-    Ok(text.replacen(&format!("<svg width=\"{width}\" height=\"{height}\""), &shown, 1))
+    let text = text.replacen(&format!("<svg width=\"{width}\" height=\"{height}\""), &shown, 1);
+    Ok(only_xml(text))
 }
 
 /// The width and height that a panel in a cell of this width needs around its plot.

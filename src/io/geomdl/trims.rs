@@ -164,7 +164,8 @@ impl<'a> Reader<'a> {
                 unused.extend(twice);
                 let points = self.in_plane(entry, self.needed(entry, "points", points)?)?;
                 let weights = weights.map(|raw| self.weights(raw)).transpose()?;
-                CurveKind::Nurbs { degree: self.parse(degree.get())?, knots, points, weights }
+                let degree = Written::new(self.parse(degree.get())?, self.place(degree));
+                CurveKind::Nurbs { degree, knots, points, weights }
             }
             (degree, None, Some(points)) => {
                 if degree.or(keys.knotvector).or(keys.weights).is_some() {

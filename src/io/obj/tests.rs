@@ -22,6 +22,18 @@ fn error(text: &str) -> String {
     read_obj_cage(text, "x.obj").unwrap_err().to_string()
 }
 
+/// Lines end as on any system, even with comments.
+#[test]
+fn line_ends_of_all_kinds() {
+    let model = read_obj_cage(SQUARES, "roof.obj").unwrap();
+    for end in ["\r\n", "\r", "\r\r\n"] {
+        let other = read_obj_cage(&SQUARES.replace('\n', end), "roof.obj").unwrap();
+        assert_eq!((&other.cage, &other.notes), (&model.cage, &model.notes), "{end:?}");
+    }
+    let mixed = "# by x\rv 0 0 0\nv 1 0 0\r\nv 1 1 0\rf 1 2 3\nf 1 2\r";
+    assert!(error(mixed).starts_with("x.obj:6:1: "), "{}", error(mixed));
+}
+
 #[test]
 fn faces_of_all_forms() {
     let model = read_obj_cage(SQUARES, "roof.obj").unwrap();

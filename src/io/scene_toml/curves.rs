@@ -50,7 +50,7 @@ struct CurveTable {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct NurbsCurveKeys {
-    degree: Degree,
+    degree: Spanned<Degree>,
     knots: Option<Spanned<KnotList>>,
     points: Spanned<Vec<Point>>,
     weights: Option<Spanned<Vec<Spanned<Number>>>>,
@@ -256,6 +256,7 @@ impl Reader<'_, '_> {
         let points: Vec<DVec3> =
             keys.points.into_inner().into_iter().map(|point| point.0).collect();
         let weights = keys.weights.map(|list| self.weights_of(points.len(), list));
-        CurveKind::Nurbs { degree: keys.degree.0 as usize, knots, points, weights }
+        let degree = self.written(keys.degree, |degree| degree.0 as usize);
+        CurveKind::Nurbs { degree, knots, points, weights }
     }
 }

@@ -283,7 +283,7 @@ pub(super) type Grid<T> = Vec<Spanned<Vec<T>>>;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct NurbsKeys {
-    pub(super) degree: Degrees,
+    pub(super) degree: Spanned<Degrees>,
     pub(super) knots_u: Option<Spanned<KnotList>>,
     pub(super) knots_v: Option<Spanned<KnotList>>,
     pub(super) points: Spanned<Grid<NetPoint>>,

@@ -141,6 +141,24 @@ fn nets_are_drawn_of_objects_that_have_surfaces_of_their_own() {
     );
 }
 
+/// The degree is at fault where it was written, not the knots.
+#[test]
+fn degrees_that_are_none_have_their_place() {
+    let text = "[[object]]\nname = 'lid'\n[object.shape.nurbs]\nknots_u = [0, 0, 1, 1]\n\
+        degree = [33, 1]\npoints = [[[0,0,0],[0,1,0]],[[1,0,1],[1,1,1]]]\n";
+    assert_eq!(
+        error(text),
+        "s.toml:5:10: surface \"lid\", direction u: degree 33: degrees from 1 to 32 are supported"
+    );
+    let text = "[[object]]\nname = 'lid'\n[object.shape.extrusion]\nby = [0, 0, 1]\n\
+        [object.shape.extrusion.profile.nurbs]\nknots = [0, 0, 1, 1]\ndegree = 0\n\
+        points = [[0, 0], [1, 0]]\n";
+    assert_eq!(
+        error(text),
+        "s.toml:7:10: surface \"lid\": profile: degree 0: degrees from 1 to 32 are supported"
+    );
+}
+
 #[test]
 fn an_inline_net() {
     let text = "[[object]]\nname = 'lid'\n[object.shape.nurbs]\ndegree = [2, 1]\n\

@@ -110,7 +110,9 @@ impl Reader<'_, '_> {
         let points = Written::new(points, self.source.place(offset));
         let weights =
             keys.weights.map(|weights| self.weights(called, weights, size)).transpose()?;
-        let degree = keys.degree.0.map(|degree| degree as usize);
+        let place = self.source.place(keys.degree.span().start);
+        let degree = keys.degree.get_ref().0;
+        let degree = degree.map(|degree| Written::new(degree as usize, place.clone()));
         Ok(Net { degree, knots, size, points, weights })
     }
 

@@ -173,4 +173,7 @@ fn broken_toml() {
     }
     let deep = format!("a = {}", "[".repeat(1_000_000));
     assert_eq!(error(&deep), "s.toml:1:85: cannot recurse further; max recursion depth met");
+    // The parser does not say where this is.
+    let deep = format!("[[object]]\nshape = 'sphere'\n[{}a]", "a.".repeat(200));
+    assert_eq!(error(&deep), "s.toml: it cannot be read as TOML: recursion limit");
 }

@@ -211,7 +211,7 @@ fn on_even_knots(curve: &CurveSpec) -> Cow<'_, CurveSpec> {
         return Cow::Borrowed(curve);
     }
     let knots = Written { value: Knots::Uniform, place: curve.place.clone() };
-    let kind = CurveKind::Nurbs { degree: 1, knots, points: points.clone(), weights: None };
+    let kind = CurveKind::Nurbs { degree: 1.into(), knots, points: points.clone(), weights: None };
     Cow::Owned(CurveSpec { kind, ..curve.clone() })
 }
 

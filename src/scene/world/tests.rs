@@ -107,7 +107,7 @@ fn bilinear() -> Net {
     let points = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)];
     let points = points.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec();
     Net {
-        degree: [1, 1],
+        degree: [1, 1].map(here),
         knots: [here(Knots::ClampedUniform), here(Knots::ClampedUniform)],
         size: [2, 2],
         points: Written::new(points, Place::file("s.toml").at_line(50, 1)),

@@ -6,7 +6,9 @@ use super::net::{Grid, knot_vector, wrapped};
 use super::transform::placed;
 use super::{Knots, NamedArc, Place, Transform, TransformError, Written};
 use crate::geometry::shapes::{QuarticArc, QuarticConstants, circle_arc, quarter_circle_weighted};
-use crate::geometry::{CurveError, Direction, NurbsCurve, RationalBasis, with_repeated_ends};
+use crate::geometry::{
+    CurveError, Direction, KnotError, KnotVector, NurbsCurve, RationalBasis, with_repeated_ends,
+};
 
 /// A curve as written, not yet checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +30,7 @@ pub enum CurveKind {
     /// A NURBS curve by its numbers.
     Nurbs {
         /// Its degree.
-        degree: usize,
+        degree: Written<usize>,
         /// Its knots.
         knots: Written<Knots>,
         /// Its control points, not multiplied by their weights.
@@ -142,11 +144,10 @@ impl CurveSpec {
         let blame = |error| CurveFault::Curve(self.culprit(&error).clone(), error);
         let curve = match &self.kind {
             CurveKind::Nurbs { degree, knots, points, weights } => {
-                let vector = knot_vector(*degree, &knots.value, points.len())
-                    .map_err(|error| CurveFault::Curve(knots.place.clone(), error.into()))?;
+                let vector = vector(degree, knots, points.len())?;
                 let weights = weights.as_ref().map(|weights| weights.value.as_slice());
                 check_weights(points, weights).map_err(blame)?;
-                check_period(&knots.value, *degree, points, weights).map_err(blame)?;
+                check_period(&knots.value, degree.value, points, weights).map_err(blame)?;
                 let [given, needed] = [points.len(), vector.point_count()].map(|count| [1, count]);
                 let weights = weights.map(|weights| wrapped(weights, given, needed));
                 NurbsCurve::new(vector, wrapped(points, given, needed), weights)
@@ -209,19 +210,17 @@ impl CurveSpec {
             return Err(blame(CurveError::WeightCount { weights: 0, points: self.point_count() }));
         };
         let weights = &weights.value;
-        let vector = knot_vector(*degree, &knots.value, points.len())
-            .map_err(|error| CurveFault::Curve(knots.place.clone(), error.into()))?;
+        let mut vector = vector(degree, knots, points.len())?;
         if let Some(index) = points.iter().position(|point| !point.is_finite()) {
             return Err(blame(CurveError::Point { index, point: points[index] }));
         }
         check_weights(points, Some(weights)).map_err(blame)?;
-        check_period(&knots.value, *degree, points, Some(weights)).map_err(blame)?;
+        check_period(&knots.value, degree.value, points, Some(weights)).map_err(blame)?;
         let placed = self.placed()?;
         let [given, needed] = [points.len(), vector.point_count()].map(|count| [1, count]);
         let mut weights = wrapped(weights, given, needed);
         let mut points = wrapped(points, given, needed);
         points.iter_mut().for_each(|point| *point = placed.transform_point3(*point));
-        let mut vector = vector;
         if self.reverse {
             points.reverse();
             weights.reverse();
@@ -229,6 +228,21 @@ impl CurveSpec {
         }
         Ok((RationalBasis::new(vector, weights).map_err(blame)?, points))
     }
+}
+
+/// The knot vector of a curve of so many points.
+fn vector(
+    degree: &Written<usize>,
+    knots: &Written<Knots>,
+    points: usize,
+) -> Result<KnotVector, CurveFault> {
+    knot_vector(degree.value, &knots.value, points).map_err(|error| {
+        let place = match error {
+            KnotError::Degree { .. } => &degree.place,
+            _ => &knots.place,
+        };
+        CurveFault::Curve(place.clone(), error.into())
+    })
 }
 
 /// The first points of a closed curve must not be written again: see [`Knots::check_period`].

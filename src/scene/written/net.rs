@@ -31,7 +31,7 @@ pub enum Knots {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Net {
     /// The degrees in u and v.
-    pub degree: [usize; 2],
+    pub degree: [Written<usize>; 2],
     /// The knots in u and v.
     pub knots: [Written<Knots>; 2],
     /// The number of control points written along u and v.
@@ -52,6 +52,7 @@ pub(in crate::scene) struct NetFault {
 /// The part of a net that is at fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::scene) enum Blame {
+    Degree(Direction),
     Knots(Direction),
     Points,
     Weights,
@@ -74,8 +75,8 @@ impl Net {
         for direction in Direction::BOTH {
             let weights = self.weights.as_ref().map(|weights| &weights.value[..]);
             let grid = Grid { points: &self.points.value, weights, size: self.size };
-            let checked =
-                self.knots[direction].value.check_period(&grid, direction, self.degree[direction]);
+            let degree = self.degree[direction].value;
+            let checked = self.knots[direction].value.check_period(&grid, direction, degree);
             checked.map_err(|error| NetFault {
                 error: SurfaceError::Knots { direction, error },
                 blame: Blame::Points,
@@ -98,7 +99,7 @@ impl Net {
     /// The number of control points, those that closed directions repeat included.
     pub(super) fn point_count(&self) -> usize {
         let repeated =
-            [0, 1].map(|k| if self.knots[k].value.are_closed() { self.degree[k] } else { 0 });
+            [0, 1].map(|k| if self.knots[k].value.are_closed() { self.degree[k].value } else { 0 });
         if repeated == [0, 0] {
             return self.points.value.len();
         }
@@ -108,15 +109,20 @@ impl Net {
 
     fn knot_vector(&self, direction: Direction) -> Result<KnotVector, NetFault> {
         let knots = &self.knots[direction].value;
-        knot_vector(self.degree[direction], knots, self.size[direction]).map_err(|error| NetFault {
-            error: SurfaceError::Knots { direction, error },
-            blame: Blame::Knots(direction),
+        let degree = self.degree[direction].value;
+        knot_vector(degree, knots, self.size[direction]).map_err(|error| {
+            let blame = match error {
+                KnotError::Degree { .. } => Blame::Degree(direction),
+                _ => Blame::Knots(direction),
+            };
+            NetFault { error: SurfaceError::Knots { direction, error }, blame }
         })
     }
 
     /// Where the part to blame was written.
     pub(in crate::scene) fn place(&self, blame: Blame) -> &super::Place {
         match (blame, &self.weights) {
+            (Blame::Degree(direction), _) => &self.degree[direction].place,
             (Blame::Knots(direction), _) => &self.knots[direction].place,
             (Blame::Weights, Some(weights)) => &weights.place,
             (Blame::Points | Blame::Weights, _) => &self.points.place,
