@@ -1,4 +1,6 @@
-//! Whether two hits see each other.
+//! Whether a hit sees another one, or a place that may lie on a surface.
+
+use glam::DVec3;
 
 use super::Tracer;
 use crate::intersect::{Hit, Occlusion, Query};
@@ -22,7 +24,42 @@ impl Tracer<'_> {
     /// between two hits on one plane: the ray runs in the surface. Two hits at one place see each
     /// other.
     pub fn occluded_between(&mut self, from: &Hit, to: &Hit) -> Occlusion {
-        let way = to.point - from.point;
+        let across = self.across(to);
+        let end = End { point: to.point, normal: to.normal, across, error: to.root.error };
+        self.occluded_before(from, to.point, |_| end)
+    }
+
+    /// Whether anything lies between a hit and a place, such as that of a lamp.
+    ///
+    /// Where the place lies on a surface, this is not in its way, on whichever side the hit is; nor
+    /// is what lies in front of that surface by no more than a few error bounds. Otherwise the
+    /// answer is that of [`occluded`](Self::occluded) for a ray that ends at the place, which would
+    /// be doubtful on a surface.
+    pub fn occluded_up_to(&mut self, from: &Hit, place: DVec3) -> Occlusion {
+        if let Ok(ray) = Ray::with_range(from.point, place - from.point, 0.0, 1.0) {
+            let occlusion = self.occluded(&Query::leaving(ray, from));
+            if !occlusion.doubtful {
+                return occlusion;
+            }
+        }
+        // It is on the surface that is met there, if it lies in its tangent plane.
+        self.occluded_before(from, place, |met| End {
+            point: place,
+            normal: met.normal,
+            across: 0.0,
+            error: 0.0,
+        })
+    }
+
+    /// Whether anything lies between a hit and a place; `end` says what the ray should end on, given
+    /// what it meets.
+    fn occluded_before(
+        &mut self,
+        from: &Hit,
+        place: DVec3,
+        end: impl FnOnce(&Hit) -> End,
+    ) -> Occlusion {
+        let way = place - from.point;
         let Ok(ray) = Ray::new(from.point, way) else {
             // The same point; or hits that no tracer has made.
             return Occlusion { occluded: false, doubtful: !way.is_finite() };
@@ -31,7 +68,7 @@ impl Tracer<'_> {
         let Some(met) = answer.hit.filter(|hit| hit.t < 1.0) else {
             return Occlusion { occluded: false, doubtful: answer.doubtful };
         };
-        match Met::of(&met, to, self.across(to), &ray) {
+        match Met::of(&met, &end(&met), &ray) {
             Met::End => Occlusion { occluded: false, doubtful: answer.doubtful },
             Met::PerhapsEnd => Occlusion { occluded: true, doubtful: true },
             Met::Elsewhere => Occlusion { occluded: true, doubtful: answer.doubtful },
@@ -50,6 +87,16 @@ impl Tracer<'_> {
     }
 }
 
+/// Where a ray is meant to end.
+struct End {
+    point: DVec3,
+    /// The normal of the surface there, or NaN.
+    normal: DVec3,
+    /// How far the point may be off that surface, and how far along the ray that found it.
+    across: f64,
+    error: f64,
+}
+
 /// How a hit lies to the place where its ray is meant to end.
 enum Met {
     /// It is that place.
@@ -60,15 +107,14 @@ enum Met {
 }
 
 impl Met {
-    /// The point of `to` may be as far off its surface as `across`.
-    fn of(met: &Hit, to: &Hit, across: f64, ray: &Ray) -> Self {
+    fn of(met: &Hit, to: &End, ray: &Ray) -> Self {
         // The ray's direction is off by the rounding of both points.
         let size = ray.origin().abs().max(to.point.abs()).max_element();
         let rounding = 4.0 * f64::EPSILON * size;
         let off = met.point - to.point;
-        let reach = 2.0 * (met.root.across() + across) + rounding;
+        let reach = 2.0 * (met.root.across() + to.across) + rounding;
         if to.normal.is_nan() || met.normal.is_nan() {
-            let farthest = 2.0 * (met.root.error + to.root.error) + rounding;
+            let farthest = 2.0 * (met.root.error + to.error) + rounding;
             return match off.length() {
                 length if length <= reach => Self::End,
                 length if length <= farthest => Self::PerhapsEnd,
@@ -90,7 +136,7 @@ impl Met {
 
 #[cfg(test)]
 mod tests {
-    use glam::{DAffine3, DVec3};
+    use glam::DAffine3;
     use proptest::prelude::*;
 
     use super::*;
@@ -125,6 +171,51 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Lamps on surfaces light what is on either side, up to what is really in the way.
+    #[test]
+    fn a_place_on_a_surface_is_seen() {
+        let at = |z: f64, size: f64| {
+            let lifted = DAffine3::from_translation(z * DVec3::Z);
+            shapes::plane(size, size).unwrap().transformed(&lifted).unwrap()
+        };
+        let surfaces = [
+            at(-2.0, 9.0).into(),
+            at(0.0, 2.0).into(),
+            at(-1.0, 0.1).into(),
+            Surface::from(shapes::sphere(0.25).unwrap()),
+        ];
+        let bvh = SurfaceBvh::build(&surfaces).unwrap();
+        let mut tracer = bvh.tracer();
+        let open = Occlusion { occluded: false, doubtful: false };
+        let hidden = Occlusion { occluded: true, doubtful: false };
+        let mut by_range = 0;
+        for k in 0..400 {
+            let (x, y) = (f64::from(k % 20) / 5.0 - 1.9, f64::from(k / 20) / 5.0 - 1.9);
+            let below = DVec3::new(x, y, -1.5);
+            let from = hit(&bvh, below, below - DVec3::Z).unwrap();
+            // On the ceiling, beside the ball that hangs through it.
+            let lamp = DVec3::new(0.6, 0.3, 0.0);
+            let middle = 0.5 * (lamp + from.point); // at the height of the small plate
+            let shaded = middle.x.abs().max(middle.y.abs()) < 0.05;
+            let expected = if shaded { hidden } else { open };
+            assert_eq!(tracer.occluded_up_to(&from, lamp), expected, "{}", from.point);
+            let ray = Ray::with_range(from.point, lamp - from.point, 0.0, 1.0).unwrap();
+            by_range += usize::from(tracer.occluded(&Query::leaving(ray, &from)).doubtful);
+            // Above the ceiling, and on the ball: its lower side is seen, where the small plate is
+            // not in between, its other side is not.
+            let above = tracer.occluded_up_to(&from, lamp + 1e-9 * DVec3::Z);
+            assert_eq!(above, hidden);
+            let on_ball = DVec3::new(0.15, 0.0, -0.2);
+            let faces = on_ball.dot(from.point - on_ball) > 0.0;
+            let share = (-1.0 - on_ball.z) / (from.point.z - on_ball.z);
+            let at_plate = on_ball.lerp(from.point, share);
+            let shaded = at_plate.x.abs().max(at_plate.y.abs()) < 0.05;
+            let expected = if shaded || !faces { hidden } else { open };
+            assert_eq!(tracer.occluded_up_to(&from, on_ball), expected, "{}", from.point);
+        }
+        assert!(by_range > 300, "{by_range}: the range alone would do");
     }
 
     /// The tip of a spike has no normal, and how far along a ray from above it was met is not

@@ -21,7 +21,7 @@ pub(crate) struct Direct {
     points: Vec<Shaded>,
     /// Shadow rays towards one light, and what each brings to which sample.
     shadows: Vec<Query>,
-    brought: Vec<(usize, Rgb)>,
+    brought: Vec<Brought>,
     hidden: Vec<Occlusion>,
 }
 
@@ -34,6 +34,14 @@ struct Shaded {
     /// The unit normal on the viewer's side.
     normal: DVec3,
     albedo: Rgb,
+}
+
+/// What a light brings if nothing is in the way.
+#[derive(Clone, Copy, Debug)]
+struct Brought {
+    /// The hit's place among the points.
+    point: usize,
+    radiance: Rgb,
 }
 
 /// What a light sends to a place if nothing is in the way.
@@ -68,7 +76,7 @@ impl Direct {
 
         let mut counters = Counters::default();
         for light in &world.lights {
-            match *light {
+            let place = match *light {
                 Light::Ambient { radiance: ambient } => {
                     for point in &self.points {
                         add(&mut batch.radiance[point.index], product(point.albedo, ambient));
@@ -77,6 +85,7 @@ impl Direct {
                 }
                 Light::Point { position, intensity } => {
                     self.aim(|origin| Beam::from_point(position, intensity, origin));
+                    Some(position)
                 }
                 Light::Directional { to_light, irradiance } => {
                     let unit = to_light.normalize_or_zero();
@@ -84,9 +93,10 @@ impl Direct {
                         let ray = Ray::new(origin, to_light).ok()?;
                         Some(Beam { ray, to_light: unit, irradiance })
                     });
+                    None
                 }
-            }
-            counters += self.add_seen((&mut *tracer, coherence), batch);
+            };
+            counters += self.add_seen((&mut *tracer, coherence), place, batch);
         }
         counters
     }
@@ -96,30 +106,40 @@ impl Direct {
         let Self { points, shadows, brought, .. } = self;
         shadows.clear();
         brought.clear();
-        for point in points {
+        for (k, point) in points.iter().enumerate() {
             let Some(Beam { ray, to_light, irradiance }) = beam(point.hit.point) else { continue };
             let cosine = point.normal.dot(to_light);
             let diffuse = product(point.albedo, irradiance).map(|x| x * (cosine * FRAC_1_PI));
             // Not where the light stands behind the surface, or sends nothing. False for NaN.
             if cosine > 0.0 && irradiance.iter().any(|&x| x > 0.0) {
                 shadows.push(Query::leaving(ray, &point.hit));
-                brought.push((point.index, diffuse));
+                brought.push(Brought { point: k, radiance: diffuse });
             }
         }
     }
 
-    /// Adds a light to the radiance of all hits that see it, and notes where that is in doubt.
+    /// Adds a light, which may have a place, to the radiance of all hits that see it, and notes
+    /// where that is in doubt.
     fn add_seen(
         &mut self,
         (tracer, coherence): (&mut Tracer<'_>, Coherence),
+        place: Option<DVec3>,
         batch: &mut Batch,
     ) -> Counters {
         let Batch { radiance, doubtful, .. } = batch;
         // Rays towards one light are as close together as their hits are.
         tracer.occlusions(&self.shadows, coherence, &mut self.hidden);
-        for (&(index, diffuse), hidden) in self.brought.iter().zip(&self.hidden) {
+        for (&Brought { point, radiance: brought }, hidden) in
+            self.brought.iter().zip(&mut self.hidden)
+        {
+            let Shaded { index, hit, .. } = &self.points[point];
+            let index = *index;
+            // A lamp may hang on a surface, which is not in its way.
+            if let Some(place) = place.filter(|_| hidden.doubtful) {
+                *hidden = tracer.occluded_up_to(hit, place);
+            }
             if !hidden.occluded {
-                add(&mut radiance[index], diffuse);
+                add(&mut radiance[index], brought);
             }
             doubtful[index] |= hidden.doubtful;
         }
@@ -134,7 +154,7 @@ impl Direct {
 impl Beam {
     /// From a point light; `None` at the light itself.
     fn from_point(position: DVec3, intensity: Rgb, origin: DVec3) -> Option<Self> {
-        // Up to the light and no farther; a light on the surface itself lights nothing.
+        // Up to the light and no farther; a light at the hit itself lights nothing.
         let way = position - origin;
         let ray = Ray::with_range(origin, way, 0.0, 1.0).ok()?;
         let nearness = way.length().recip();

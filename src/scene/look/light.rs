@@ -12,7 +12,8 @@ pub type Rgb = [f64; 3];
 /// cosine) sends out the radiance `a E / π`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {
-    /// A point that shines alike in all directions: irradiance `intensity · cos θ / r²`.
+    /// A point that shines alike in all directions: irradiance `intensity · cos θ / r²`. Where it
+    /// lies on a surface, this is not in its way: it shines on both sides.
     Point {
         /// Where it is.
         position: DVec3,
