@@ -83,7 +83,8 @@ fn gaps_along_edges_of_any_degree_are_found() {
         .replace("name = \"sheet\"", "name = \"part\"")
         .replace("trims = {", "trims = { keep = \"inside\",");
     let two = [STEEP_TRIM.replace("trims = {", "trims = { keep = \"outside\","), cut_out].concat();
-    let torn = two.replace("name = \"part\"", "name = \"part\"\ntransform = [{ translate = [0, 0, 1e-5] }]");
+    let torn = two
+        .replace("name = \"part\"", "name = \"part\"\ntransform = [{ translate = [0, 0, 1e-5] }]");
     let sandbox = Sandbox::with(&[("whole.toml", &two), ("torn.toml", &torn)]);
     let of = |name: &str| sandbox.run(&format!("info {name} --json")).succeeded().json();
 

@@ -8,9 +8,9 @@ use nurbray::math::Aabb;
 use nurbray::math::bernstein::restrict_net;
 use nurbray::patch::TensorPatch;
 
-/// The error allowed for the sides of a box, as a share of the control points' box. A part of a
-/// surface bulges from its control points by the square of its size, so four more halvings, two
-/// in each direction, gain little more than one digit; f64 itself has 16 digits.
+/// The error allowed for the sides of a box, as a share of its size. A part of a surface bulges from
+/// its control points by the square of its size, so four more halvings, two in each direction, gain
+/// little more than one digit; f64 itself has 16 digits.
 const TIGHTNESS: f64 = 1e-12;
 
 /// The error of a side that cannot be avoided, relative to the largest coordinate: halving a
@@ -22,7 +22,7 @@ const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
 /// line needs more the finer the tolerance, and has by then reached about 1e-9 of its size.
 const MOST_HALVINGS: usize = 100_000;
 
-/// The error bound of such a box's sides; `bounds` is the box itself or the control points'.
+/// The error bound of such a box's sides; `bounds` is the box itself, or one not much larger.
 pub(super) fn tolerance(bounds: Aabb) -> f64 {
     f64::max(TIGHTNESS * bounds.size().max_element(), ROUNDINGS * bounds.magnitude())
 }
@@ -45,13 +45,29 @@ pub(super) fn extent_of_parts<'a>(
     let nets: Vec<Net> = parts.map(|(piece, rect)| Net::new(piece, rect)).collect();
     let controls = nets.iter().flat_map(|net| &net.control).map(|c| c.truncate() / c.w);
     let hull = Aabb::around(controls);
-    let side = |axis: DVec3| farthest(&nets, axis, tolerance(hull));
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-    Aabb {
-        min: DVec3::from_array(axes.map(|axis| 0.0 - side(-axis))), // no −0
-        max: DVec3::from_array(axes.map(side)),
+    let within = |tolerance: f64| {
+        let side = |axis: DVec3| farthest(&nets, axis, tolerance);
+        Aabb {
+            min: DVec3::from_array(axes.map(|axis| 0.0 - side(-axis))), // no −0
+            max: DVec3::from_array(axes.map(side)),
+        }
+    };
+    // Control points of small weights may be far away. Each box is much smaller than the one
+    // before, until one is known well enough to say what is small.
+    let mut allowed = tolerance(hull);
+    loop {
+        let found = within(allowed);
+        let needed = tolerance(found);
+        if allowed <= FINE_ENOUGH * needed || found.size().is_nan() {
+            return found;
+        }
+        allowed = needed;
     }
 }
+
+/// A box that was looked for to within so many times its own tolerance is not looked for again.
+const FINE_ENOUGH: f64 = 4.0;
 
 /// The largest coordinate of the pieces along an axis.
 fn farthest(nets: &[Net], axis: DVec3, tolerance: f64) -> f64 {
@@ -231,6 +247,30 @@ mod tests {
         let tilted = torus.transformed(&DAffine3::from_rotation_x(a)).unwrap();
         let corner = DVec3::new(2.5, 2.0 * a.cos() + 0.5, 2.0 * a.sin() + 0.5);
         check(&tilted, [-corner, corner], 1e-11);
+    }
+
+    /// Control points of small weights lie far off; the box is as exact as the surface is small.
+    #[test]
+    fn far_control_points_do_not_matter() {
+        for far in [1e3, 1e6, 1e9] {
+            let points = [[-1.0, 0.0], [0.3, far], [1.0, 0.37]];
+            let points = points.iter().flat_map(|&[x, y]| [0.0, 1.0].map(|z| DVec3::new(x, y, z)));
+            let weights = [1.0, 1.0, 1.0 / far, 1.0 / far, 1.0, 1.0].to_vec();
+            let [u, v] = [2, 1].map(|p| nurbray::geometry::KnotVector::bezier(p).unwrap());
+            let sheet = NurbsSurface::new(u, v, points.collect(), Some(weights)).unwrap();
+            // y = (2 a + 0.37 t²) / (1 − 2 a + 2 a / far) with a = t (1 − t), by golden section.
+            let y = |t: f64| {
+                let a = t * (1.0 - t);
+                (2.0 * a + 0.37 * t * t) / (1.0 - 2.0 * a + 2.0 * a / far)
+            };
+            let (mut low, mut high) = (0.3, 0.9);
+            for _ in 0..80 {
+                let [b, c] = [0.382, 0.618].map(|share| low + share * (high - low));
+                if y(b) < y(c) { low = b } else { high = c }
+            }
+            let corner = DVec3::new(1.0, y(low), 1.0);
+            check(&sheet, [DVec3::new(-1.0, 0.0, 0.0), corner], 4e-12);
+        }
     }
 
     /// A ruled sheet sheared in (u, v) touches the top of its box along a diagonal.

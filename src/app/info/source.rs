@@ -37,8 +37,9 @@ impl Source<'_> {
             Self::Border { surface, border, .. } => of_knots(border.knots(surface)),
             Self::Side { curve, .. } => of_knots(curve.knots()),
             Self::Edge { edge, .. } => {
-                let holds = |[start, end]: &[f64; 2]| from < *end && *start < to;
-                edge.spans().filter(holds).collect()
+                // Each is of length 1.
+                let first = from.max(0.0) as usize;
+                edge.spans().skip(first).take_while(|span| span[0] < to).collect()
             }
         };
         let within = spans.into_iter().map(|[start, end]| [start.max(from), end.min(to)]);

@@ -21,7 +21,8 @@ const JOINT: f64 = 256.0;
 impl TrimmedSurface {
     /// The trim edges, `S(c(t))` for the trim curves `c`. Each loop gives its part in the closed
     /// domain, in the loop's direction: one edge, or several where the domain cuts the loop or the
-    /// surface jumps. Edges that are points, as along a pole, are left out.
+    /// surface jumps. Edges that are points, as along a pole, are left out: all that is within 256
+    /// roundings of the surface's largest coordinate of where it begins.
     pub fn edges(&self) -> Vec<TrimEdge> {
         let form = BezierForm::new(self.surface());
         let cuts = form.lines.each_ref().map(Vec::as_slice);
@@ -105,12 +106,14 @@ impl BezierForm {
     }
 
     /// Whether all of an edge is one point. A piece of degree n that has the same point at n + 1
-    /// places has it everywhere.
+    /// places has it everywhere; where these are Chebyshev's, points that differ by little there
+    /// differ by no more than some times that elsewhere.
     fn is_point(&self, pieces: &[Piece]) -> bool {
         let [start, _] = pieces[0].at(&self.surface, 0.0);
         pieces.iter().all(|piece| {
             let degree = piece.degree(&self.surface);
-            let mut shares = (0..=degree).map(|k| k as f64 / degree as f64);
+            let turn = |k: usize| std::f64::consts::PI * (k as f64 + 0.5) / (degree + 1) as f64;
+            let mut shares = (0..=degree).map(|k| 0.5 - 0.5 * turn(k).cos());
             shares.all(|share| self.are_one(start, piece.at(&self.surface, share)[0]))
         })
     }
