@@ -56,7 +56,7 @@ pub struct Leaf {
     /// `T / M`, with `M` as kept in `fit_bend`.
     fit_third: Up8,
     stretch: Up16,
-    /// [`TRIMMED`], [`PARALLELOGRAM`], [`AT_BORDER`] and [`BIQUADRATIC`].
+    /// [`TRIMMED`], [`PARALLELOGRAM`], [`AT_BORDER`], [`BIQUADRATIC`] and [`SHORT_TANGENTS`].
     marks: u8,
 }
 
@@ -104,6 +104,8 @@ impl Leaf {
         let is_at_border = sides.any(|side| leaf.near_border(piece, side).is_some());
         leaf.marks |= if is_at_border { AT_BORDER } else { 0 };
         leaf.marks |= if bicubic::is_biquadratic(&leaf.fit, &weight) { BIQUADRATIC } else { 0 };
+        let has_short_tangents = leaf.has_pole() || are_short(chords, part.rect, piece);
+        leaf.marks |= if has_short_tangents { SHORT_TANGENTS } else { 0 };
         leaf.stretch = Up16::above(stretch(&leaf.fit, &weight, &error));
         (leaf, weight, oriented)
     }
@@ -211,6 +213,14 @@ impl Leaf {
         self.certificate.pole_per_error() > 0.0
     }
 
+    /// Whether a tangent may be so short that the fast sums lose digits of it: in a leaf that ends in
+    /// a pole, and near a pole where tangents vanish faster than the distance from it, as where two
+    /// rows of control points are one point.
+    #[inline(always)]
+    pub(crate) fn has_short_tangents(&self) -> bool {
+        self.marks & SHORT_TANGENTS != 0
+    }
+
     /// The approximation's numerators: coefficients of `xⁱ yʲ`, at `4 i + j`, coordinate by
     /// coordinate.
     #[inline(always)]
@@ -277,12 +287,28 @@ impl Leaf {
 /// parallelograms.
 const MOST_BEND_OF_PARALLELOGRAM: f64 = 1e-6;
 
+/// Tangents are short that are no longer than this part of the piece's longest: they are sums that
+/// cancel, and have three digits less.
+const SHORT: f64 = 1e-3;
+
+/// Whether a tangent in a part of a piece with a collapsed side, by the vectors across its middle, is
+/// [`SHORT`].
+fn are_short(chords: [DVec3; 2], rect: DyadicRect, piece: &Piece) -> bool {
+    if piece.collapsed_sides().next().is_none() {
+        return false;
+    }
+    let sides = rect.ranges().map(|[from, to]| to - from);
+    let longest = piece.patch.longest_tangents();
+    (0..2).any(|k| chords[k].length() <= SHORT * sides[k] * longest[k])
+}
+
 /// The marks of leaves: see [`Leaf::is_trimmed`], [`Leaf::is_parallelogram`],
-/// [`Leaf::is_at_border`] and [`Leaf::is_biquadratic`].
+/// [`Leaf::is_at_border`], [`Leaf::is_biquadratic`] and [`Leaf::has_short_tangents`].
 const TRIMMED: u8 = 1;
 const PARALLELOGRAM: u8 = 2;
 const AT_BORDER: u8 = 4;
 const BIQUADRATIC: u8 = 8;
+const SHORT_TANGENTS: u8 = 16;
 
 /// One coefficient of an approximation.
 fn term(fit: &Fit, m: usize) -> DVec3 {

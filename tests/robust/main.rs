@@ -37,6 +37,7 @@ mod ranges;
 mod rays;
 mod same;
 mod survey;
+mod tips;
 mod traps;
 mod uneven;
 mod ways;

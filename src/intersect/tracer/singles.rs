@@ -170,8 +170,8 @@ impl<'a> Certain<'a> {
         let st = hit.place.st;
         let mut normal = hit.normal();
         let mut flags = HitFlags::NONE;
-        // Near a pole the normal is a limit.
-        if leaf.has_pole() {
+        // Near a pole the normal is a limit, and its digits are lost in short tangents.
+        if leaf.has_short_tangents() {
             let limit = piece.normal(st, &piece.patch.jet(st));
             normal = reported_normal(piece, hit.point, limit).unwrap_or(DVec3::NAN);
         }

@@ -295,8 +295,7 @@ impl Piece {
     /// Whether a point is an apex, such as that of a cone, to within rounding: the point of a
     /// collapsed side at which normals have different limits, so that the surface has no normal.
     pub fn is_apex(&self, point: DVec3) -> bool {
-        let rounding = 4.0 * self.patch.noise();
-        let is_at = |apex: DVec3| point.distance(apex) <= rounding;
+        let is_at = |apex: DVec3| point.distance(apex) <= self.patch.one_point();
         let mut poles = self.collapsed_sides();
         poles.any(|(side, pole)| has(self.apexes, side as usize) && is_at(pole))
     }
@@ -354,7 +353,7 @@ fn inward(place: DVec2) -> DVec2 {
 /// agree with the first to a few roundings of their size.
 fn collapsed_sides(patch: &TensorPatch, points: &[DVec3]) -> u8 {
     let degree = patch.degree();
-    let tolerance = 4.0 * patch.noise();
+    let tolerance = patch.one_point();
     let is_point = |side: RectSide| {
         let at = |k: usize| {
             let [i, j] = side.control_point(degree, k);

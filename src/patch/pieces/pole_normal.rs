@@ -5,12 +5,17 @@
 //! a first column of zeros. So it is `t A`, and `A`, of one degree less, is as exact as the control
 //! points. With `Q = A / W` the surface is `P + t Q` and has the tangents `t Q_s` and `Q + t Q_t`:
 //! the normal has the direction of `Q_s × (Q + t Q_t)`, in which nothing vanishes.
+//!
+//! Where more columns are that point, `m` in all, `X − P W` is `tᵐ A`. Then the normal has the
+//! direction of `Q_s × (m Q + t Q_t)`. Columns that are that point but for rounding may be left out
+//! or not: whichever turns the normal less, as far as is known.
 
 use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
 use super::field::{Field, Net};
 use super::tensor::derivative_table;
 use crate::geometry::{Direction, RectSide};
+use crate::math::bernstein::binomial;
 use crate::patch::TensorPatch;
 
 /// The unit normal of a patch at a place, from the pole at one of its sides, and the angle, in
@@ -25,32 +30,52 @@ pub(super) fn normal_by_pole(
     let net = |degree, control| Net { degree, control, noise, rational: true, spacing: [0.0; 2] };
     let (degree @ [p, q], control) = net(patch.degree(), &control).with_collapsed_first(side);
     let field = net(degree, &control).recentered(pole);
-    let quotient = field.over_t();
+    let column = |j: usize| field.values.iter().skip(j).step_by(q + 1);
+    let is_point =
+        |j: &usize| column(*j).all(|c| c.xyz().abs().max_element() <= patch.one_point() * c.w);
+    let most = 1 + (1..q).take_while(is_point).count();
 
     let t = RectSide::distances(st)[side].max(0.0);
     let in_s = derivative_table(p, st[side.along()]);
-    let [whole, lowered] = [q, q - 1].map(|degree| derivative_table(degree, t));
+    let in_t = derivative_table(q, t);
     let sum = |field: &Field, order_s: usize, in_t: &[f64]| -> DVec4 {
         let rows = field.values.chunks_exact(field.degree[1] + 1).zip(&in_s[order_s]);
         rows.map(|(row, s)| row.iter().zip(in_t).map(|(&c, t)| *s * t * c).sum::<DVec4>()).sum()
     };
-    let weight = |order_s: usize, order_t: usize| sum(&field, order_s, &whole[order_t]).w;
-    let value = |order_s: usize, order_t: usize| sum(&quotient, order_s, &lowered[order_t]).xyz();
+    let weight = |order_s: usize, order_t: usize| sum(&field, order_s, &in_t[order_t]).w;
     let w = weight(0, 0);
-    let here = value(0, 0) / w;
-    let by_s = (value(1, 0) - here * weight(1, 0)) / w;
-    let by_t = (value(0, 1) - here * weight(0, 1)) / w;
 
-    let across = here + t * by_t;
-    let cross = by_s.cross(across);
-    // The error of coefficients is `q` times that of points, the error of derivatives `2 p` times
-    // as much again.
-    let off = 2.0 * q as f64 * noise;
-    let turned = off * (by_s.length() + 2.0 * p as f64 * across.length()) / cross.length();
-    let normal = cross.try_normalize()?;
+    let mut quotient = field.over_t();
+    let mut best: Option<(DVec3, f64)> = None;
+    // What is left out of columns that are only nearly the point, as a part of `A`.
+    let mut left_out = 0.0;
+    for times in 1..=most {
+        if times > 1 {
+            let longest = column(times - 1).map(|c| c.xyz().length()).fold(0.0, f64::max);
+            quotient = quotient.over_t();
+            left_out += if longest > 0.0 { binomial(q, times - 1) * longest / w } else { 0.0 };
+            left_out = if left_out > 0.0 { left_out / t } else { 0.0 };
+        }
+        let lowered = derivative_table(q - times, t);
+        let value =
+            |order_s: usize, order_t: usize| sum(&quotient, order_s, &lowered[order_t]).xyz();
+        let here = value(0, 0) / w;
+        let by_s = (value(1, 0) - here * weight(1, 0)) / w;
+        let by_t = (value(0, 1) - here * weight(0, 1)) / w;
+        let across = times as f64 * here + t * by_t;
+        let cross = by_s.cross(across);
+        // The error of coefficients is `C(q, m)` times that of points, the error of derivatives
+        // `2 p` times as much again.
+        let off = 2.0 * (binomial(q, times) * noise + times as f64 * left_out);
+        let turned = off * (by_s.length() + 2.0 * p as f64 * across.length()) / cross.length();
+        let Some(normal) = cross.try_normalize() else { continue };
+        if best.is_none_or(|(_, least)| turned < least) {
+            best = Some((normal, turned));
+        }
+    }
     // Undoes the mirroring and swapping of the net.
     let backwards = side.is_last() != (side.fixed() == Direction::U);
-    Some((if backwards { -normal } else { normal }, turned))
+    best.map(|(normal, turned)| (if backwards { -normal } else { normal }, turned))
 }
 
 #[cfg(test)]

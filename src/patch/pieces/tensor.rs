@@ -199,6 +199,11 @@ impl TensorPatch {
         self.error_bound(0.0)
     }
 
+    /// How far apart control points may be that are one point, but for a few roundings.
+    pub(super) fn one_point(&self) -> f64 {
+        4.0 * self.noise()
+    }
+
     /// The error bound of a point computed for a ray, in scene units; `magnitude` is the largest
     /// absolute coordinate of the ray's origin.
     #[inline(always)]
@@ -288,6 +293,20 @@ impl TensorPatch {
             value += bs[i] * sum;
         }
         value.truncate() / self.weight().unwrap_or(value.w)
+    }
+
+    /// No tangent in `s`, nor in `t`, is longer than these, if all weights are equal; if they differ
+    /// by a factor, none is by more than that.
+    pub(in crate::patch) fn longest_tangents(&self) -> [f64; 2] {
+        let [p, q] = self.degree();
+        let points = euclidean_net(&self.control_net());
+        let longest = |steps: &mut dyn Iterator<Item = DVec3>| {
+            steps.map(DVec3::length_squared).fold(0.0, f64::max).sqrt()
+        };
+        let mut down = points.iter().zip(&points[q + 1..]).map(|(a, b)| *b - *a);
+        let mut across =
+            points.chunks_exact(q + 1).flat_map(|row| row.windows(2)).map(|w| w[1] - w[0]);
+        [p as f64 * longest(&mut down), q as f64 * longest(&mut across)]
     }
 
     /// The vectors across the middle of a rectangle of the unit square, in `s` and in `t`.

@@ -199,9 +199,9 @@ fn put_hits<S: Simd, V: Reals<S>>(
     // A closer look is also due where the normal or `t` is not finite.
     let infinity = V::splat(simd, f64::INFINITY);
     let mut close = !(inverse.simd_lt(infinity) & ray_t.simd_lt(infinity));
-    if target.pole.is_some() {
-        // It is also due where both tangents have nearly one direction, or where no certificate
-        // says how well they are known.
+    if target.leaf.has_short_tangents() {
+        // It is also due where one tangent is far shorter than the other, where both have nearly one
+        // direction, or where no certificate says how well they are known.
         let least = V::splat(simd, LEAST_SINE) * speed * speed;
         close |= !size.simd_gt(least) | V::Mask::splat(simd, !leaves.certified);
     }
