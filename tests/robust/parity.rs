@@ -7,6 +7,7 @@ use nurbray::geometry::{
 };
 use nurbray::intersect::{Kernel, Query, SurfaceBvh, Tracer};
 use nurbray::math::Ray;
+use nurbray::math::rounding::residual_factor;
 
 use crate::random::Random;
 
@@ -15,6 +16,34 @@ fn crossings(tracer: &mut Tracer<'_>, ray: Ray) -> (usize, bool) {
     let mut hits = Vec::new();
     let doubtful = tracer.all_hits(&Query::primary(ray), &mut hits);
     (hits.len(), doubtful)
+}
+
+/// Borders that are farther apart along the ray than both roots may be off are two crossings, or in
+/// doubt; those of one edge are one, without doubt.
+#[test]
+fn borders_apart_are_not_one_crossing_for_certain() {
+    let sheet = |height: f64| {
+        let lifted = glam::DAffine3::from_translation(DVec3::new(0.5, 0.5, height));
+        shapes::plane(1.0, 1.0).unwrap().transformed(&lifted).unwrap()
+    };
+    for gap in [0.0, 1e-12] {
+        let bvh = SurfaceBvh::build(&[sheet(0.0), sheet(gap)]).unwrap();
+        let mut tracer = bvh.tracer();
+        for distance in 20..400 {
+            let height = f64::from(distance);
+            let error = residual_factor(1, 1) * height;
+            for x in [0.0, 0.5] {
+                let ray = Ray::new(DVec3::new(x, 0.25, height), DVec3::NEG_Z).unwrap();
+                let (count, doubtful) = crossings(&mut tracer, ray);
+                let who = format!("{gap:e} at {x} from {height}: {count}, {doubtful}");
+                if gap == 0.0 && x == 0.0 {
+                    assert!(count == 1 && !doubtful, "{who}");
+                } else if gap > 2.5 * error {
+                    assert!(count == 2 || doubtful, "{who}");
+                }
+            }
+        }
+    }
 }
 
 /// On a body that was stretched so far that its tangents are nearly parallel, parameters of one

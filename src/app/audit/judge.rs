@@ -84,6 +84,10 @@ const SURE_INCIDENCE: f64 = 0.01;
 /// the ray: the start may be off by that, and so may what another surface has there.
 const START: f64 = 4.0;
 
+/// How wide the strip is beside a trim edge in which a ray is said to meet the edge, in error bounds
+/// of hits.
+const EDGE_STRIP: f64 = 10.0;
+
 /// Compares answers for one set of surfaces.
 #[derive(Debug)]
 pub(crate) struct Judge<'a> {
@@ -178,7 +182,9 @@ impl<'a> Judge<'a> {
         if !(in_range && on_both) || self.cut_off(hit, measure) {
             return Some(Fault::FalseHit);
         }
-        let same = |root: &Hit| self.same_root(ray, (hit, measure), root);
+        let same = |root: &Hit| {
+            self.same_root(ray, (hit, measure), root) || self.same_edge(ray, (hit, measure), root)
+        };
         let behind = |root: &Hit| root.t < hit.t && self.is_due(ray, root) && !same(root);
         let behind_target = self.target(shot).is_some_and(|last| hit.t > last);
         if behind_target || truth.hits.iter().any(behind) {
@@ -286,6 +292,20 @@ impl<'a> Judge<'a> {
         let t = offset.dot(ray.direction()) / ray.direction().length_squared();
         let between = self.measure(ray, &Hit { t, uv, ..*hit });
         between.residual <= between.bound
+    }
+
+    /// Whether a hit and a root are on two faces that end at one edge. Among all hits they are one
+    /// crossing, and either face may be named: edges that nearly meet are met within a strip.
+    fn same_edge(&self, ray: &Ray, (hit, measure): (&Hit, &Measure), root: &Hit) -> bool {
+        let at_trims = root.flags.contains(HitFlags::TRIM_EDGE);
+        let at_end = |flag| hit.flags.contains(flag);
+        let are_ends = at_trims && (at_end(HitFlags::BORDER) || at_end(HitFlags::TRIM_EDGE));
+        let other = self.measure(ray, root);
+        let incidence = measure.incidence.min(other.incidence);
+        let strip = EDGE_STRIP * self.slack(measure.bound + other.bound, incidence);
+        are_ends
+            && hit.surface != root.surface
+            && (hit.t - root.t).abs() * ray.direction().length() <= strip
     }
 
     /// Whether a hit is so near an end of the range that rounding decides if it lies inside.

@@ -5,7 +5,7 @@ use smallvec::{SmallVec, smallvec};
 
 use super::balance::Balance;
 use super::faces::{EdgeReach, Face};
-use super::same_place::{are_apart_without_edges, at_one_place, reach_along};
+use super::same_place::{are_apart, are_apart_without_edges, at_one_place, reach_along};
 use super::sense::{has_no_normal, may_touch, same_sense};
 use super::vertices;
 use crate::intersect::HitFlags;
@@ -87,8 +87,9 @@ struct Crossing {
     /// Whether it counts all the same: one of them [settles] it, or it [is closed](Self::is_closed).
     is_settled: bool,
     /// Whether it may be more than one crossing, or a part of another: a view is doubtful and
-    /// grazing, or at the place of another crossing's, or at the place of the others only because
-    /// it is not known where trim edges are, and not beyond an edge that they share.
+    /// grazing, or at the place of another crossing's, or farther from the others than their errors
+    /// explain, or at the place of the others only because it is not known where trim edges are, and
+    /// not beyond an edge that they share.
     is_open: bool,
 }
 
@@ -118,6 +119,7 @@ impl Crossing {
         self.on_edge |= meeting.on_edge;
         self.is_settled |= settles(meeting);
         let counted = &meetings[self.best];
+        self.is_open |= are_apart(counted, meeting);
         if are_apart_without_edges(counted, meeting) {
             let ends = |m| Face::new(m, pieces, EdgeReach::Met, axis).edge_ends();
             self.is_open |= Turn::of(&ends(counted), &ends(meeting)) != Turn::Alike;

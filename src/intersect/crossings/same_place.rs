@@ -74,6 +74,13 @@ pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece], axis: DVe
     a.adjoins(&b) || b.adjoins(&a) || a.is_beside(&b, &reach) || b.is_beside(&a, &reach)
 }
 
+/// Whether two meetings at one place, both certain, are farther apart along the ray than the sum of
+/// their error bounds: they may well be two, as of borders that only nearly meet.
+pub(super) fn are_apart(a: &Meeting, b: &Meeting) -> bool {
+    let are_certain = a.is_certain() && b.is_certain() && a.edge + b.edge == 0.0;
+    are_certain && (a.t - b.t).abs() > a.t_error + b.t_error
+}
+
 /// Whether two meetings at one place are farther apart along the ray than their errors allow: they
 /// are taken for one because it is not known how far off the trim edges are that they are at.
 pub(super) fn are_apart_without_edges(a: &Meeting, b: &Meeting) -> bool {
