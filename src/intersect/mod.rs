@@ -40,9 +40,9 @@
 //! time in f32. Of incoherent batches they search sixteen pairs of a ray and a leaf at a time, if
 //! that pays off; else, as for one ray, they test sixteen boxes at a time. Things that are small
 //! compared with the scene are searched in coordinates of their own (regions of the `tree`), since
-//! f32 would not resolve them otherwise. Each hit is finished in f64 on the true surface. What no certificate and
-//! no proof decides goes to the scalar search. The answer for a ray does not depend on its
-//! neighbours.
+//! f32 would not resolve them otherwise. Each hit is finished in f64 on the true surface. What no
+//! certificate and no proof decides goes to the scalar search. The answer for a ray does not depend
+//! on its neighbours.
 //!
 //! # Names
 //!

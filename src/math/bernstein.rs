@@ -97,7 +97,8 @@ pub(crate) fn raised<const N: usize>(degree: usize, t: f64, lower: &[f64; N]) ->
 /// There are `p + 1` coefficients (an empty slice stays empty). `a ≤ b` may lie outside `[0, 1]`.
 /// For `[a, b]` within `[0, 1]`, each coefficient is off by at most `6 p u` times the largest one:
 /// each of the two cuts mixes `p` times, with three roundings a mix; with random signs they come to
-/// less than `4 p u`. Beyond, the error grows as polynomials do: at `e` outside at both ends, by a
+/// less than `4 p u`. (The parameter of the second cut is rounded itself, as if the part ended up to
+/// `3 u` beside `a` or `b`.) Beyond, the error grows as polynomials do: at `e` outside at both ends, by a
 /// factor of up to `(1 + 2 e)ᵖ`.
 pub(crate) fn restrict<T>(coefficients: &mut [T], a: f64, b: f64)
 where

@@ -80,8 +80,14 @@ pub(crate) struct Asked {
 impl Asked {
     pub(crate) fn new(model: Model, scale: f64) -> Self {
         let bvh = SurfaceBvh::build(&model.surfaces).unwrap();
-        // 13.1 % were seen, on the sheet of degree 24.
-        Self { bvh, model, scale, most_doubtful: 0.14 }
+        // Hardly more than was seen, most of it of rays that leave hits along the surface.
+        let most_doubtful = match model.name.as_str() {
+            "sheet (24, 3) false" => 0.14,
+            "dense sheet" => 0.1,
+            "sheet (7, 1) true" | "cylinder and disk" => 0.065,
+            _ => 0.05,
+        };
+        Self { bvh, model, scale, most_doubtful }
     }
 }
 
@@ -115,17 +121,20 @@ pub(crate) fn compare(
     match (&wide.hit, &scalar.hit) {
         (Some(a), Some(b)) => {
             let direction = ray.direction().normalize();
-            let magnitude = ray.origin().abs().max(a.point.abs()).max_element();
+            let control = pieces_of(bvh, a.surface).map(|piece| piece.patch.magnitude());
+            let control = control.fold(0.0, f64::max);
+            let magnitude = ray.origin().abs().max(a.point.abs()).max_element().max(1e-2 * control);
             let [p, q] = pieces_of(bvh, a.surface).next().unwrap().patch.degree();
             // Twice the promise, as either answer may use all of it; made as if no control point
-            // were farther out than origin and hit.
+            // were farther out than origin and hit. (But a hit in the midst of control points, near
+            // the origin, is not that much more exact: in a sheet of degree 24, with control points
+            // at 1, one at 0.006 was off by 1.7e-16.)
             let twice = 2.0 * rounding::residual_factor(p, q) * magnitude;
             let tips = pieces_of(bvh, a.surface).flat_map(Piece::collapsed_sides);
             let to_tip = tips.map(|(_, tip)| a.point.distance(tip)).fold(f64::INFINITY, f64::min);
             // Beside a pole either answer may be off by twice the promise, and control points
             // count: those of a sphere reach to 4.
-            let control = pieces_of(bvh, a.surface).map(|piece| piece.patch.magnitude());
-            let farthest = control.fold(magnitude, f64::max) / magnitude;
+            let farthest = control.max(magnitude) / magnitude;
             let error = if to_tip <= 1e-2 * scale { 2.0 * farthest * twice } else { twice };
             let cosine = a.normal.dot(direction).abs().min(b.normal.dot(direction).abs());
             // Without a normal, as at a tip, nothing is known of the angle.

@@ -10,7 +10,7 @@ use super::placed_leaf::PlacedLeaf;
 use super::pole_side::stands_still;
 use super::question::Question;
 use super::reach::{
-    AIMED, AIMED_AT_TRIMS, TRIM_REACH, TRIM_SPARE, root_reach, rounding_at, trim_reach,
+    AIMED, AIMED_AT_TRIMS, SPARE, TRIM_REACH, TRIM_SPARE, root_reach, rounding_at, trim_reach,
 };
 use super::spot::Spot;
 use super::start::{Sense, Start, is_at_side};
@@ -286,7 +286,7 @@ impl<'a> Candidate<'a> {
         let Self { question, z_error, cosine, flags, trims, .. } = *self;
         let Some(root) = question.from else { return Ok(()) };
         let (z, point) = (self.on_ray.z, self.on_ray.spot.jet.point);
-        let most_off = START_SPARE * z_error + root.error;
+        let most_off = SPARE * z_error + root.error;
         // What lies on a trim edge may be as far from what is kept as is allowed there.
         let farthest =
             trims.edge().map_or(most_off, |(distance, _)| TRIM_REACH * most_off + distance);
@@ -315,7 +315,7 @@ impl<'a> Candidate<'a> {
     /// may be.
     fn may_be_in_range(&self) -> bool {
         let start_off = self.question.from.map_or(0.0, |root| root.error);
-        let off = START_SPARE * self.z_error + start_off;
+        let off = SPARE * self.z_error + start_off;
         let [t, t_off] = [self.on_ray.z, off].map(|z| z * self.question.ray.t_from_z);
         let [t_min, t_max] = self.question.t_range;
         t + t_off >= t_min && t - t_off <= t_max
@@ -503,7 +503,9 @@ fn is_short(leaf: &Leaf, reach: f64) -> bool {
 /// Whether a ray through a pole may touch the surface there instead of crossing it.
 ///
 /// With the radius of curvature R, the ray meets the surface again at the distance 2 R cos(N, d),
-/// and in between is within R cos² / 2 of the surface. A leaf turns by less than its length over R.
+/// and in between is within R cos² / 2 of the surface. Leaves are made to turn by less than a
+/// radian, so R is taken to be no less than the leaf's length. (A tip finer than the smallest leaf
+/// is not seen.)
 fn may_touch_at_pole(leaf: &Leaf, jet: &Jet, cosine: f64, error: f64) -> bool {
     let sides = leaf.rect().map(|[from, to]| to - from);
     let length = (sides[0] * jet.ds.length()).max(sides[1] * jet.dt.length());
@@ -538,13 +540,9 @@ fn error_along(evidence: Evidence, error: f64, (z, cosine): (f64, f64)) -> f64 {
 fn start_reach(evidence: Evidence, error: f64, z_error: f64, cosine: f64) -> f64 {
     match evidence {
         Evidence::Contact([from, to]) => z_error.max(steep(error, cosine).min(to - from + error)),
-        _ => START_SPARE * z_error,
+        _ => SPARE * z_error,
     }
 }
-
-/// A solution has passed for one on the ray by its computed distance, and so may be a little
-/// farther off than its error bound.
-const START_SPARE: f64 = 2.0;
 
 /// Error bound of a crossing along the ray.
 fn steep(error: f64, cosine: f64) -> f64 {

@@ -80,7 +80,7 @@ mod tests {
 
     use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
     use crate::geometry::{Surface, TrimmedSurface, shapes};
-    use crate::intersect::wide::weighted_hills;
+    use crate::intersect::wide::testing::weighted_hills;
     use crate::intersect::{Kernel, Query, SurfaceBvh};
     use crate::math::{Ray, SplitMix};
 

@@ -78,6 +78,8 @@ mod single;
 mod start;
 mod stream;
 mod surface;
+#[cfg(test)]
+pub(super) mod testing;
 mod trimmed;
 mod vectors;
 mod view;
@@ -98,19 +100,3 @@ pub(super) use view::BvhView;
 
 /// Rays in a packet: a square of 8 × 8 pixels.
 pub(super) const PACKET: usize = 64;
-
-/// A bicubic sheet of hills whose weights differ from point to point.
-#[cfg(test)]
-pub(crate) fn weighted_hills() -> crate::geometry::NurbsSurface {
-    use glam::DVec4;
-
-    let knots = crate::geometry::KnotVector::clamped_uniform(3, 12).unwrap();
-    let number = |k: usize| (k as f64 * 0.618_033_988_75).fract();
-    let control = (0..144).map(|k| {
-        let (x, y) = ((k / 12) as f64, (k % 12) as f64);
-        let weight = 0.5 + 1.5 * number(k);
-        weight * DVec4::new(x, y, (1.3 * x).sin() * y.cos(), 1.0)
-    });
-    crate::geometry::NurbsSurface::from_homogeneous(knots.clone(), knots, control.collect())
-        .unwrap()
-}

@@ -3,6 +3,7 @@
 use super::hit_place::HitPlace;
 use super::trimmed::trims_keep;
 use super::view::BvhView;
+use crate::intersect::roots::reach::SPARE;
 use crate::patch::Leaf;
 
 /// What is to be done with a hit.
@@ -23,7 +24,7 @@ pub(super) enum Kept {
 pub(super) fn keep(found: &HitPlace, view: &BvhView<'_>, nearest: Option<&HitPlace>) -> Kept {
     let leaf = &view.leaves[found.leaf as usize];
     // A hit that lies beyond the nearest by more than twice its own error bound need not be judged.
-    let beyond = |known: &HitPlace| found.z > known.z + 2.0 * found.z_error;
+    let beyond = |known: &HitPlace| found.z > known.z + SPARE * found.z_error;
     if leaf.is_trimmed() && !nearest.is_some_and(beyond) {
         match trims_keep(found, view) {
             Some(true) => {}

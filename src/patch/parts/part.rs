@@ -5,6 +5,7 @@ use glam::{DVec3, DVec4};
 use super::bend::{Bend, MOST_HALVINGS};
 use crate::geometry::RectSide;
 use crate::geometry::trim::{Coverage, Trims};
+use crate::math::rounding::UNIT_ROUNDOFF;
 use crate::math::{Aabb, bernstein};
 use crate::patch::pieces::tensor::euclidean;
 use crate::patch::{BezierNet, DyadicRect, LEAF_SLACK, Piece, StRect, WIDENING};
@@ -55,6 +56,10 @@ pub(crate) struct Part {
 pub(in crate::patch) struct PartNet {
     rect: DyadicRect,
     net: BezierNet,
+    /// How often, at most, its control points were rounded, one time after the other: in a half as
+    /// often as the degree says, as the mean of two rounds once; in any other part see
+    /// [`roundings_of_cut`].
+    roundings: usize,
     /// How often it was halved for the sake of trim curves.
     cuts: u32,
     /// Whether trims are known to have cut off nothing of it; determined before it is handed over.
@@ -79,12 +84,20 @@ pub(in crate::patch) struct Cut {
     pub(in crate::patch) worth: f64,
 }
 
+/// How many roundings move a net's points at most when it is restricted to any rectangle, as
+/// [`restrict_net`](bernstein::restrict_net) says.
+fn roundings_of_cut(piece: &Piece) -> usize {
+    let [p, q] = piece.patch.degree();
+    6 * (p + q)
+}
+
 impl PartNet {
     /// A whole piece.
     pub(in crate::patch) fn whole(piece: &Piece) -> Self {
         Self {
             rect: DyadicRect::UNIT,
             net: piece.patch.control_net(),
+            roundings: 0,
             cuts: 0,
             inside: false,
             bend: None,
@@ -96,7 +109,7 @@ impl PartNet {
         let mut net = piece.patch.control_net();
         let [s, t] = rect.ranges();
         bernstein::restrict_net(&mut net, piece.patch.degree(), s, t);
-        Self { rect, net, cuts: 0, inside: false, bend: None }
+        Self { rect, net, roundings: roundings_of_cut(piece), cuts: 0, inside: false, bend: None }
     }
 
     /// Hands over the parts of this part that are flat enough to be leaves and are not cut off by
@@ -176,7 +189,8 @@ impl PartNet {
             new[k].map(|at| (at - from) / (to - from))
         });
         let net = self.grown(piece, on_part[0], on_part[1]);
-        Some(Self { rect, net, bend: None, ..*self })
+        let roundings = self.roundings + roundings_of_cut(piece);
+        Some(Self { rect, net, roundings, bend: None, ..*self })
     }
 
     /// The trims of the piece, if they may have cut off something of this part.
@@ -212,13 +226,15 @@ impl PartNet {
             let mut ranges = [[0.0, 1.0]; 2];
             ranges[direction] = [from, from + 0.5];
             let net = self.grown(piece, ranges[0], ranges[1]);
-            Self { rect: self.rect.half(direction, side), net, bend: None, ..*self }
+            let roundings = self.roundings + piece.patch.degree()[direction];
+            let rect = self.rect.half(direction, side);
+            Self { rect, net, roundings, bend: None, ..*self }
         };
         [half(0), half(1)]
     }
 
     /// What is kept of the part: its place, and an axis-parallel box around every point its leaf
-    /// answers for, grown by the error bound of points.
+    /// answers for, grown by the error bound of points, and of its own control points.
     pub(in crate::patch) fn part(&self, index: u32, piece: &Piece) -> Part {
         let whole = self.rect == DyadicRect::UNIT;
         let bounds = if whole {
@@ -226,8 +242,14 @@ impl PartNet {
         } else {
             Aabb::around(self.answered(piece).iter().map(|&c| euclidean(c)))
         };
-        let bounds = bounds.grown(piece.patch.noise());
+        let bounds = bounds.grown(piece.patch.noise() + self.rounding(piece));
         Part { piece: index, rect: self.rect, bounds, trimmed: !self.inside }
+    }
+
+    /// How far rounding may have moved the control points over the leaf and its slack.
+    fn rounding(&self, piece: &Piece) -> f64 {
+        let roundings = self.roundings + roundings_of_cut(piece);
+        roundings as f64 * UNIT_ROUNDOFF * piece.patch.magnitude()
     }
 
     /// The control points over the leaf and its slack; the slack ends with the piece.

@@ -150,7 +150,7 @@ impl Doubts {
             for (row, pair) in rows.iter_mut().zip(&self.distances) {
                 *row = f32x16::from_slice(simd, &pair[k]);
             }
-            for (column, to) in transposed(rows).into_iter().zip(&mut distances.of[k]) {
+            for (column, to) in transposed(rows).into_iter().zip(&mut distances.terms_mut()[k]) {
                 column.store_slice(to);
             }
         }
@@ -188,7 +188,7 @@ mod tests {
     use crate::intersect::level::dispatch;
     use crate::intersect::wide::packet::box_passage::pass_box;
     use crate::intersect::wide::packet::load::{find_planes, load};
-    use crate::intersect::wide::weighted_hills;
+    use crate::intersect::wide::testing::weighted_hills;
     use crate::intersect::{Kernel, Query, SurfaceBvh};
     use crate::math::Ray;
 
@@ -233,7 +233,7 @@ mod tests {
                     for (place, pair) in taken.pairs[..taken.count].iter().enumerate() {
                         let (lane, index, distances) = expected.next().unwrap();
                         assert_eq!((pair.ray, pair.leaf), (lane, index));
-                        for (of_pair, of_ray) in taken.distances.of.iter().zip(&distances.of) {
+                        for (of_pair, of_ray) in taken.distances.terms().iter().zip(distances.terms()) {
                             for (m, of_ray) in of_ray.iter().enumerate() {
                                 assert_eq!(of_pair[m][place], of_ray[lane], "{m} of {pair:?}");
                             }

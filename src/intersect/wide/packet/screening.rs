@@ -80,7 +80,7 @@ mod tests {
     use crate::intersect::wide::proof::certified::certify;
     use crate::intersect::wide::reach::WIDENED;
     use crate::intersect::wide::search::distances::{LaneDistances, step_from_middle};
-    use crate::intersect::wide::weighted_hills;
+    use crate::intersect::wide::testing::weighted_hills;
     use crate::intersect::{Hit, Query, SurfaceBvh};
     use crate::math::bits::has;
     use crate::math::testing::same_cases;

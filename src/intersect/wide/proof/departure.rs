@@ -241,7 +241,7 @@ mod tests {
     use crate::geometry::shapes;
     use crate::intersect::Kernel;
     use crate::intersect::level::dispatch;
-    use crate::intersect::wide::weighted_hills;
+    use crate::intersect::wide::testing::weighted_hills;
     use crate::intersect::{Hit, Query, SurfaceBvh};
     use crate::math::Ray;
     use crate::math::testing::same_cases;

@@ -192,11 +192,11 @@ impl Local {
         let zero = f32x16::splat(simd, 0.0);
         let (in_x, in_y) = ((parts.middle[0], parts.half[0]), (parts.middle[1], parts.half[1]));
         for k in 0..2 {
-            let to = &mut local.0.of[k];
+            let to = &mut local.0.terms_mut()[k];
             for j in 0..4 {
                 let mut column = [zero; 4];
                 for i in 0..4 {
-                    column[i] = f32x16::from_slice(simd, &distances.of[k][4 * i + j]);
+                    column[i] = f32x16::from_slice(simd, &distances.terms()[k][4 * i + j]);
                     if let Some(bytes) = bytes {
                         column[i] = column[i].swizzle_dyn(bytes);
                     }
@@ -222,7 +222,7 @@ impl Local {
 
     #[inline(always)]
     fn at<S: Simd>(&self, simd: S, k: usize, m: usize) -> f32x16<S> {
-        f32x16::from_slice(simd, &self.0.of[k][m])
+        f32x16::from_slice(simd, &self.0.terms()[k][m])
     }
 
     /// The derivatives in the middle, by `x` and by `y`, of both distances.
@@ -416,7 +416,7 @@ mod tests {
             let mut rows = [f32x8::splat(simd, 0.0); 4];
             for k in 0..2 {
                 for m in 0..16 {
-                    lanes.of[k][m] = [of[k][m] as f32; LANES];
+                    lanes.terms_mut()[k][m] = [of[k][m] as f32; LANES];
                     rows[m / 4][4 * k + m % 4] = of[k][m] as f32;
                 }
             }

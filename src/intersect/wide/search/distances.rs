@@ -21,7 +21,7 @@ const MOST_REFINED: f32 = 0.25;
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct LaneDistances {
-    pub of: [[[f32; LANES]; 16]; 2],
+    of: [[[f32; LANES]; 16]; 2],
     /// Whether all terms of degree three in `x` or `y` are known to be zero, so that nine of the
     /// sixteen are enough.
     are_biquadratic: bool,
@@ -81,6 +81,19 @@ impl<S: Simd> LastStep<S> {
 }
 
 impl LaneDistances {
+    /// The coefficients: which distance, which term, which lane.
+    #[inline(always)]
+    pub(crate) fn terms(&self) -> &[[[f32; LANES]; 16]; 2] {
+        &self.of
+    }
+
+    /// The same, to be set: any of them may then be other than zero.
+    #[inline(always)]
+    pub(crate) fn terms_mut(&mut self) -> &mut [[[f32; LANES]; 16]; 2] {
+        self.are_biquadratic = false;
+        &mut self.of
+    }
+
     /// Sets the distances of sixteen rays.
     ///
     /// Those of the leaf's middle are computed in f64; what is added to them in f32 has the size of

@@ -5,6 +5,7 @@ use fearless_simd::{Select, Simd, SimdMask};
 use fearless_simd_macros::simd;
 
 use super::convergence::{COARSEST, MOST_ROUNDED, MOST_STEPS, PART_OF_ERROR};
+use crate::intersect::roots::reach::SPARE;
 use crate::intersect::wide::reach::WITH_SLACK;
 use crate::intersect::wide::surface::sums::Jets;
 use crate::intersect::wide::vectors::{Reals, cross_d, dot_d, sum_of_sizes};
@@ -443,7 +444,7 @@ pub(crate) struct Verdict<S: Simd, V: Reals<S>> {
     /// Those of them that lie on the piece, and are only too near an end of the ray or its start:
     /// if trims cut them off, nothing is left to be judged.
     pub at_end: V::Mask,
-    /// The roots within the ray's range.
+    /// The roots beyond the beginning of the ray's range; the caller knows where it ends for now.
     pub acceptable: V::Mask,
     /// The distance along the ray within which a root cannot be told from an end or another hit.
     pub near_end: V,
@@ -472,7 +473,7 @@ impl<S: Simd, V: Reals<S>> Converged<S, V> {
         let size = dot_d(self.cross, self.cross).sqrt();
         let steepest = V::splat(simd, 1.0 / f64::EPSILON);
         let z_error = error * (size * self.inverse_det.abs()).min(steepest);
-        let mut near_end = z_error + z_error;
+        let mut near_end = z_error * V::splat(simd, SPARE);
         let mut clear = found;
         if let Some(from_error) = ends.from_error {
             near_end += from_error;

@@ -180,8 +180,13 @@ impl Rectangle {
 
 /// Whether a point `W (S − o)` is within the error, or will be after a step; `at`, `a` and `b` are
 /// the point and its tangents in the ray's coordinates, `inverse` is one over their determinant.
-/// The tangent plane leaves no more of the residual than `bent`, and rounding of the step leaves
-/// some, too. (The weight leaves about as much again: a small part of the error.)
+///
+/// With the distances `f` from the ray's planes, the step `h` solves `W f + (W f)' h = 0`, that is
+/// `f + f' h = −(W' h / W) f`. What it leaves of `f` is that, and what the tangent plane of `S`
+/// leaves, no more than `bent`. The former is no more than `bent`, either, but for a part as small
+/// as `W' h / W` itself: `|f|` is about `|f' h|`, and the bound `M` of the bend, by Leibniz's rule,
+/// is no less than the product of those of the slopes of `S` and `W`, over the weight
+/// ([`FitError`](crate::patch::FitError)). Rounding of the step leaves some, too.
 #[inline(always)]
 fn has_converged(
     [at, a, b]: [[f64; 3]; 3],
@@ -267,7 +272,7 @@ struct FoundRoot {
 ///
 /// The rules are those of
 /// [`Converged::verdict`](crate::intersect::wide::search::newton::Converged::verdict), but that
-/// - a root off the piece by more than `clearance` is a miss, where there it is undecided;
+/// - a root off the piece by more than `clearance`, which there is none of, is a miss;
 /// - the secant is not capped. It exceeds `1/ε` only for rays along the surface to within rounding:
 ///   the error along them is larger then, or infinite, and more is left to the scalar search;
 /// - whether parameters are fine enough is asked of all roots; of its own, a certificate has shown

@@ -4,6 +4,7 @@ use fearless_simd::{Simd, SimdBase, f64x4};
 use glam::DVec3;
 
 use crate::intersect::Root;
+use crate::intersect::roots::reach::SPARE;
 use crate::intersect::wanted::Wanted;
 use crate::intersect::wide::box_ray::BoxRay;
 use crate::intersect::wide::frames::{END_SPARE, shift_to_scene};
@@ -107,7 +108,7 @@ impl<'a> SingleRay<'a> {
     /// bound of its place along the ray.
     #[inline(always)]
     pub(super) fn start_reach(&self, error: f64) -> f64 {
-        2.0 * error + self.start.from.map_or(0.0, |root| root.error)
+        SPARE * error + self.start.from.map_or(0.0, |root| root.error)
     }
 
     /// Whether more is wanted than that there is a hit.

@@ -193,7 +193,7 @@ impl PairLanes {
         }
         let mut terms = zero;
         for k in 0..2 {
-            let mut sum = f32x16::from_slice(simd, &self.distances.of[k][0]).abs() * sizes[3];
+            let mut sum = f32x16::from_slice(simd, &self.distances.terms()[k][0]).abs() * sizes[3];
             for axis in 0..3 {
                 let n = simd.narrow_f64x8(normals[0][k][axis], normals[1][k][axis]);
                 sum = n.abs().mul_add(sizes[axis], sum);
@@ -313,8 +313,9 @@ impl PairLanes {
             if !weighted {
                 columns[0] += middle;
             }
+            let to = &mut self.distances.terms_mut()[k];
             for m in 0..16 {
-                columns[m].store_slice(&mut self.distances.of[k][m]);
+                columns[m].store_slice(&mut to[m]);
             }
         }
     }
