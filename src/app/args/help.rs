@@ -66,8 +66,8 @@ of threads. An EXR holds means over its own samples; its header says how many
 (nurbray:spp) and which (nurbray:samples, as A..B). To join the EXRs of several
 ranges of one picture, weight R, G, B, A, Albedo and doubt with nurbray:spp and divide
 by the sum; the other channels describe the first sample that hits, so take each
-pixel's from the lowest range with a finite Z there. (The library's Film::merge
-does so without rounding.)
+pixel's from the lowest range with A > 0 there. (The library's Film::merge does
+so without rounding.)
 
 Example:
   nurbray render scenes/teapot.toml -o teapot.exr -o teapot.png --size 1024x768 --spp 64";
