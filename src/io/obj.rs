@@ -148,13 +148,25 @@ pub fn read_obj_cage(text: &str, label: &str) -> Result<CageModel, LoadError> {
 /// The text with LF in place of every CR that stands alone: no LF ends the run of them that it is
 /// in. (Files that were translated twice have CR CR LF.)
 fn with_line_feeds(text: &str) -> Cow<'_, str> {
-    let bytes = text.as_bytes();
-    let is_alone = |at: usize| bytes[at..].iter().find(|byte| **byte != b'\r') != Some(&b'\n');
-    if !text.match_indices('\r').any(|(at, _)| is_alone(at)) {
+    // From the end on: whether a run of CRs, if it goes on, ends in LF.
+    let is_alone = |ends: &mut bool, byte: u8| match byte {
+        b'\r' => !*ends,
+        _ => {
+            *ends = byte == b'\n';
+            false
+        }
+    };
+    let mut ends = false;
+    if !text.bytes().rev().any(|byte| is_alone(&mut ends, byte)) {
         return text.into();
     }
-    let line_feed = |(at, c): (usize, char)| if c == '\r' && is_alone(at) { '\n' } else { c };
-    text.char_indices().map(line_feed).collect::<String>().into()
+    let (mut bytes, mut ends) = (text.as_bytes().to_vec(), false);
+    for byte in bytes.iter_mut().rev() {
+        if is_alone(&mut ends, *byte) {
+            *byte = b'\n';
+        }
+    }
+    String::from_utf8_lossy(&bytes).into_owned().into()
 }
 
 /// The words of a statement.

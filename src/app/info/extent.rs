@@ -67,7 +67,7 @@ pub(super) fn extent_of_parts<'a>(
 }
 
 /// A box that was looked for to within so many times its own tolerance is not looked for again.
-const FINE_ENOUGH: f64 = 4.0;
+const FINE_ENOUGH: f64 = 1.25;
 
 /// The largest coordinate of the pieces along an axis.
 fn farthest(nets: &[Net], axis: DVec3, tolerance: f64) -> f64 {

@@ -15,7 +15,8 @@ use super::gaps::{Fit, FreeBorder, Gap};
 use super::nearness::{NEAR, NEAR_SMALLER};
 use super::turns::{Turned, Turns};
 
-/// More gaps, pairs, free borders or collapsed edges than this are counted, not listed: `--json` has them all.
+/// More gaps, pairs, free borders or collapsed edges than this are counted, not listed: `--json` has
+/// them all.
 const LISTED: usize = 20;
 
 /// Gaps in trim loops that are no wider come from numbers written with seven digits.
