@@ -197,7 +197,8 @@ Columns, for each class:
   false        the fast path's hit has a residual above the bound; or lies
                outside the ray's range, or in what trims cut off, by more than
                its error bound; or the exact solver, without doubt, has no root
-               there; or the fast path says that something is hit, and nothing
+               there (where two faces end at one trim edge, either may be
+               named); or the fast path says that something is hit, and nothing
                is (JSON: false_hits)
   doubtful     rays whose first hit the fast path flags. Flagged answers are not
                judged. (Doubt about whether anything is hit is counted below the
