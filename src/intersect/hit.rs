@@ -36,6 +36,11 @@ pub struct Hit {
     pub root: Root,
 }
 
+/// A root has passed for one on the ray by its computed distance, and so may be a little farther off
+/// than its error bound. Within this many times that it may be at an end of the ray, be the root
+/// that the ray starts on, or be nearer than another one.
+pub(crate) const SPARE: f64 = 2.0;
+
 /// A root a secondary ray may leave: opaque to the caller, taken from [`Hit::root`].
 #[derive(Clone, Copy, Debug)]
 #[repr(C)] // see `Answer`

@@ -1,6 +1,6 @@
 //! What can be asked about: rays, and rays that leave a hit.
 
-use super::hit::{Hit, Root};
+use super::hit::{Hit, Root, SPARE};
 use crate::math::Ray;
 use crate::patch::PatchSet;
 
@@ -63,8 +63,8 @@ impl Query {
         let moved = ray.origin() - hit.point;
         let has_normal = !hit.normal.is_nan();
         let across = if has_normal { moved.dot(hit.normal).abs() } else { moved.length() };
-        let is_off_surface = across > 2.0 * hit.root.across();
-        let starts_there = moved.length() <= 2.0 * hit.root.error && !is_off_surface;
+        let is_off_surface = across > SPARE * hit.root.across();
+        let starts_there = moved.length() <= SPARE * hit.root.error && !is_off_surface;
         let direction = ray.direction() / ray.direction().abs().max_element();
         let cosine = hit.normal.dot(direction) / direction.length();
         let root = if has_normal { hit.root.seen_from_beside(cosine) } else { hit.root };

@@ -146,11 +146,20 @@ impl<'a> BorderCurve<'a> {
         self.length
     }
 
-    /// The length of what trims keep of it, and the middle one of its samples there.
-    pub(crate) fn kept(&self) -> (f64, DVec3) {
-        let kept: Vec<&Sample> = self.samples.iter().filter(|sample| sample.kept).collect();
-        let middle = kept.get(kept.len() / 2).map_or(DVec3::NAN, |sample| sample.point);
-        (kept.iter().map(|sample| sample.length).sum(), middle)
+    /// The samples that trims keep.
+    fn kept(&self) -> impl Iterator<Item = &Sample> {
+        self.samples.iter().filter(|sample| sample.kept)
+    }
+
+    /// The length of what trims keep of it.
+    pub(crate) fn kept_length(&self) -> f64 {
+        self.kept().map(|sample| sample.length).sum()
+    }
+
+    /// The middle one of the samples that trims keep, of which there is one at least.
+    pub(crate) fn kept_middle(&self) -> DVec3 {
+        let middle = self.kept().nth(self.kept().count() / 2);
+        middle.map_or(DVec3::NAN, |sample| sample.point)
     }
 
     /// Points on it, from end to end.

@@ -59,8 +59,7 @@ impl Neighbours {
         for (curve, distances) in self.pair.into_iter().zip(&self.distances) {
             let samples = edges.curves[curve].1.samples();
             let near: f64 = distances.iter().map(|&(k, _)| samples[k].length).sum();
-            let whole: f64 = samples.iter().filter(|s| s.kept).map(|s| s.length).sum();
-            if near < SIDE_BY_SIDE * whole {
+            if near < SIDE_BY_SIDE * edges.curves[curve].1.kept_length() {
                 continue;
             }
             for &(k, distance) in distances {

@@ -24,20 +24,20 @@ impl TrimmedSurface {
     /// surface jumps. Edges that are points, as along a pole, are left out: all that is within 256
     /// roundings of the surface's largest coordinate of where it begins.
     pub fn edges(&self) -> Vec<TrimEdge> {
-        let form = BezierForm::new(self.surface());
-        let cuts = form.lines.each_ref().map(Vec::as_slice);
+        let cells = Cells::new(self.surface());
+        let cuts = cells.lines.each_ref().map(Vec::as_slice);
         let mut edges = Vec::new();
         for chain in self.trims().edge_chains(cuts) {
             let mut parts: Vec<Vec<Piece>> = Vec::new();
             for piece in chain {
-                let piece = form.cell_of(piece);
+                let piece = cells.cell_of(piece);
                 match parts.last_mut() {
-                    Some(part) if form.joins(&part[part.len() - 1], &piece) => part.push(piece),
+                    Some(part) if cells.joins(&part[part.len() - 1], &piece) => part.push(piece),
                     _ => parts.push(vec![piece]),
                 }
             }
-            let parts = parts.into_iter().filter(|part| !form.is_point(part));
-            edges.extend(parts.map(|part| TrimEdge::new(Arc::clone(&form.surface), part)));
+            let parts = parts.into_iter().filter(|part| !cells.is_point(part));
+            edges.extend(parts.map(|part| TrimEdge::new(Arc::clone(&cells.surface), part)));
         }
         edges
     }
@@ -62,8 +62,8 @@ impl TrimmedSurface {
     }
 }
 
-/// A surface as Bézier pieces.
-struct BezierForm {
+/// A surface as Bézier pieces: the cells that edges run through.
+struct Cells {
     surface: Arc<NurbsSurface>,
     /// The parameters at which pieces end, in u and in v.
     lines: [Vec<f64>; 2],
@@ -72,7 +72,7 @@ struct BezierForm {
     largest: f64,
 }
 
-impl BezierForm {
+impl Cells {
     fn new(surface: &NurbsSurface) -> Self {
         let surface = surface.bezier_form();
         let lines = [surface.knots_u(), surface.knots_v()].map(|knots| {

@@ -10,7 +10,7 @@ use super::placed_leaf::PlacedLeaf;
 use super::pole_side::stands_still;
 use super::question::Question;
 use super::reach::{
-    AIMED, AIMED_AT_TRIMS, SPARE, TRIM_REACH, TRIM_SPARE, root_reach, rounding_at, trim_reach,
+    AIMED, AIMED_AT_TRIMS, TRIM_REACH, TRIM_SPARE, root_reach, rounding_at, trim_reach,
 };
 use super::spot::Spot;
 use super::start::{Sense, Start, is_at_side};
@@ -18,6 +18,7 @@ use super::trim_side::trim_side;
 use crate::geometry::trim::Side;
 use crate::intersect::HitFlags;
 use crate::intersect::exact::{AT_POLE, END, Evidence, STRETCH, Solution};
+use crate::intersect::hit::SPARE;
 use crate::math::{RayFrame, rounding};
 use crate::patch::{Jet, LEAF_SLACK, Leaf, holds};
 

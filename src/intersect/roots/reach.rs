@@ -11,11 +11,6 @@ pub(crate) fn rounding_at(point: DVec3, piece: &Piece, ray: &RayFrame) -> f64 {
     piece.patch.residual_factor() * point.abs().max_element().max(ray.magnitude)
 }
 
-/// A root has passed for one on the ray by its computed distance, and so may be a little farther off
-/// than its error bound. Within this many times that it may be at an end of the ray, be the root
-/// that the ray starts on, or be nearer than another one.
-pub(crate) const SPARE: f64 = 2.0;
-
 /// A ray aimed at a point of a border, or of a trim edge, passes the point within this part of the
 /// rounding error bound there: 0.1 is the most that was seen.
 pub(crate) const AIMED: f64 = 0.25;

@@ -3,7 +3,7 @@
 use super::hit_place::HitPlace;
 use super::trimmed::trims_keep;
 use super::view::BvhView;
-use crate::intersect::roots::reach::SPARE;
+use crate::intersect::hit::SPARE;
 use crate::patch::Leaf;
 
 /// What is to be done with a hit.

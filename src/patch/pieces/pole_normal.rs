@@ -53,8 +53,8 @@ pub(super) fn normal_by_pole(
         if times > 1 {
             let longest = column(times - 1).map(|c| c.xyz().length()).fold(0.0, f64::max);
             quotient = quotient.over_t();
-            left_out += if longest > 0.0 { binomial(q, times - 1) * longest / w } else { 0.0 };
-            left_out = if left_out > 0.0 { left_out / t } else { 0.0 };
+            left_out += binomial(q, times - 1) * longest / w;
+            left_out = if left_out > 0.0 { left_out / t } else { 0.0 }; // at the pole t is 0
         }
         let lowered = derivative_table(q - times, t);
         let value =

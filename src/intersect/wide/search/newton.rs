@@ -5,7 +5,7 @@ use fearless_simd::{Select, Simd, SimdMask};
 use fearless_simd_macros::simd;
 
 use super::convergence::{COARSEST, MOST_ROUNDED, MOST_STEPS, PART_OF_ERROR};
-use crate::intersect::roots::reach::SPARE;
+use crate::intersect::hit::SPARE;
 use crate::intersect::wide::reach::WITH_SLACK;
 use crate::intersect::wide::surface::sums::Jets;
 use crate::intersect::wide::vectors::{Reals, cross_d, dot_d, sum_of_sizes};

@@ -272,7 +272,8 @@ struct FoundRoot {
 ///
 /// The rules are those of
 /// [`Converged::verdict`](crate::intersect::wide::search::newton::Converged::verdict), but that
-/// - a root off the piece by more than `clearance`, which there is none of, is a miss;
+/// - roots off the piece by more than `clearance` are judged, too: as misses. There, `newton` has
+///   dropped them before;
 /// - the secant is not capped. It exceeds `1/ε` only for rays along the surface to within rounding:
 ///   the error along them is larger then, or infinite, and more is left to the scalar search;
 /// - whether parameters are fine enough is asked of all roots; of its own, a certificate has shown

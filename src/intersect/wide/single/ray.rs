@@ -4,7 +4,7 @@ use fearless_simd::{Simd, SimdBase, f64x4};
 use glam::DVec3;
 
 use crate::intersect::Root;
-use crate::intersect::roots::reach::SPARE;
+use crate::intersect::hit::SPARE;
 use crate::intersect::wanted::Wanted;
 use crate::intersect::wide::box_ray::BoxRay;
 use crate::intersect::wide::frames::{END_SPARE, shift_to_scene};
