@@ -65,6 +65,9 @@
 //! | `Crossing` | meetings of several leaves or surfaces that are one |
 //! | [`Hit`], [`Root`] | what is reported, and the part of it that only this library understands |
 //!
+//! Of how far off such a place may be, and by whose fault, [the last section](#errors-and-who-may-spend-them)
+//! gives an account.
+//!
 //! For [`Tracer::all_hits`] the fast kernels find the hits that are certain and away from borders,
 //! and the scalar search finds the others: which of those are one crossing takes more to tell.
 //! [`Tracer::exact_first_hit`] and [`Tracer::exact_all_hits`] use the exact solver alone; the
@@ -100,6 +103,8 @@
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+#![doc = include_str!("errors.md")]
 
 mod bvh;
 mod coherence;

@@ -47,6 +47,30 @@ fn the_library_never_prints_exits_or_gives_up() {
     expect_none("the library speaks or stops", &violations(rules::loud));
 }
 
+/// The account of errors names constants and their values; each of them is in use.
+#[test]
+fn the_account_of_errors_has_the_values_in_use() {
+    let account = include_str!("../../src/intersect/errors.md");
+    let files = source::files_below("src");
+    let is_used = |name: &str, value: f64| {
+        let start = format!("const {name}: f64 = ");
+        let is_it = |line: &str| {
+            let (_, given) = line.split_once(&start)?;
+            Some(given.strip_suffix(';')?.parse::<f64>().ok()? == value)
+        };
+        let lines = files.iter().flat_map(|file| file.code.lines());
+        lines.filter_map(is_it).any(|is_equal| is_equal)
+    };
+    let told: Vec<(&str, &str)> = account.lines().filter_map(rules::constant_told).collect();
+    assert!(told.len() > 10, "{told:?}");
+    let wrong = told.into_iter().filter(|&(times, name)| {
+        let (over, under) = times.split_once('/').unwrap_or((times, "1"));
+        !is_used(name, over.parse::<f64>().unwrap() / under.parse::<f64>().unwrap())
+    });
+    let wrong: Vec<String> = wrong.map(|(times, name)| format!("{name} is not {times}")).collect();
+    expect_none("the account of errors is wrong", &wrong);
+}
+
 #[test]
 fn files_are_short() {
     let tests = source::files_below("tests");

@@ -100,6 +100,13 @@ pub(crate) fn long(file: &SourceFile) -> Vec<String> {
     if lines < LINE_LIMIT { Vec::new() } else { vec![file.at(lines, &message)] }
 }
 
+/// How many times an error, and by which constant, a row of a table says: its first and third cell.
+pub(crate) fn constant_told(row: &str) -> Option<(&str, &str)> {
+    let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+    let [_, times, _, name, ..] = cells[..] else { return None };
+    Some((times, name.strip_prefix('`')?.strip_suffix('`')?))
+}
+
 fn ends_with_word(text: &str) -> bool {
     text.chars().next_back().is_some_and(|c| c.is_alphanumeric() || c == '_')
 }
