@@ -31,7 +31,7 @@ pub(super) struct Balance {
 }
 
 impl Balance {
-    /// Finds the places at which several faces are met, and numbers the meetings by them, from 1.
+    /// Finds the places at which several faces are met, and numbers the meetings by them.
     /// The meetings are sorted by `t`. Each of a place is at one place with some other of it, as
     /// seen along the ray's direction `axis`.
     pub(super) fn new(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) -> Self {
@@ -44,8 +44,9 @@ impl Balance {
                 let members: SmallVec<[usize; 8]> = (0..run.len()).filter(here).collect();
                 let shares = Shares::of(members.iter().map(|&k| &run[k]), pieces, axis);
                 if let Some(shares) = shares {
+                    let place = places.len() as u32;
+                    members.iter().for_each(|&k| run[k].place = Some(place));
                     places.push(shares);
-                    members.iter().for_each(|&k| run[k].place = places.len() as u32);
                 }
             }
         }
@@ -54,8 +55,8 @@ impl Balance {
 
     /// Flags the crossings of places at which they do not add up.
     pub(super) fn check(&self, crossings: &mut [Meeting]) {
-        for (shares, place) in self.places.iter().zip(1..) {
-            let here = crossings.iter_mut().filter(|crossing| crossing.place == place);
+        for (shares, place) in self.places.iter().zip(0..) {
+            let here = crossings.iter_mut().filter(|crossing| crossing.place == Some(place));
             let mut here: SmallVec<[&mut Meeting; 4]> = here.collect();
             let left = here.iter().filter(|crossing| crossing.cosine > 0.0).count();
             if !shares.allow(left, here.len() - left) {

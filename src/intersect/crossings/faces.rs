@@ -95,8 +95,7 @@ impl<'a> Face<'a> {
     /// The angle around a place with a tangent plane: of the directions in that plane that neither
     /// a side nor trims cut off.
     fn around_place(&self, sides: [bool; 4]) -> Option<f64> {
-        let Meeting { jet, .. } = self.meeting;
-        let lengths = DVec2::from_array(self.piece.domain().map(|[from, to]| to - from));
+        let (jet, lengths) = (&self.meeting.jet, self.piece.lengths());
         let sectors = self.sectors()?;
         let in_space = |angle: f64| {
             let along = direction(angle) / lengths;
@@ -113,12 +112,15 @@ impl<'a> Face<'a> {
     /// The sectors that trims cut the surroundings of the place into: `Some(None)` if no edge is
     /// near, `None` if that cannot be told.
     fn sectors(&self) -> Option<Option<Sectors>> {
-        let Meeting { st, jet, at_trims, .. } = self.meeting;
-        let Some(trims) = self.piece.trims().filter(|_| *at_trims) else { return Some(None) };
+        let Meeting { st, jet, trim_curve, .. } = self.meeting;
+        let trims = self.piece.trims().filter(|_| trim_curve.is_some());
+        let Some(trims) = trims else { return Some(None) };
         let uv = self.piece.chart_uv(*st);
-        let lengths = DVec2::from_array(self.piece.domain().map(|[from, to]| to - from));
         let sectors = match self.edges {
-            EdgeReach::Met => trims.around(uv, trim_reach(jet, self.reach.along_ray) * lengths),
+            EdgeReach::Met => {
+                let reach = trim_reach(jet, self.reach.along_ray);
+                trims.around(uv, self.piece.chart_reach(reach, 1.0))
+            }
             EdgeReach::Aimed => {
                 let reach = aimed_reach(self.meeting, self.axis);
                 let reach = self.piece.chart_reach(reach, AIMED_AT_TRIMS);

@@ -10,7 +10,7 @@ use super::sense::{has_no_normal, may_touch, same_sense};
 use super::vertices;
 use crate::intersect::HitFlags;
 use crate::intersect::roots::around::{EdgeEnd, EdgeEnds, Turn};
-use crate::intersect::roots::meeting::Meeting;
+use crate::intersect::roots::meeting::{Meeting, TrimCurve};
 use crate::patch::Piece;
 
 /// Sorts meetings by `t` and merges those that are one crossing: at the same place, with
@@ -54,7 +54,7 @@ pub(crate) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) 
         near.push(crossings.len());
         crossings.push(crossing);
     }
-    for crossing in crossings.iter_mut().filter(|one| one.on_edge && !one.is_settled) {
+    for crossing in crossings.iter_mut().filter(|one| one.on_either_side && !one.is_settled) {
         crossing.is_settled = crossing.is_closed(meetings, pieces, axis);
     }
     // No crossing counts by a view that comes before its own place among the crossings.
@@ -79,11 +79,11 @@ struct Crossing {
     flags: HitFlags,
     is_certain: bool,
     /// Whether any of them is at a trim curve.
-    at_trims: bool,
+    is_at_trims: bool,
     /// Whether all of them that are certain are beyond a side.
     is_beyond: bool,
-    /// Whether any of them is at a trim edge of which it may be on either side.
-    on_edge: bool,
+    /// Whether any of them is at a trim curve of which it may be on either side.
+    on_either_side: bool,
     /// Whether it counts all the same: one of them [settles] it, or it [is closed](Self::is_closed).
     is_settled: bool,
     /// Whether it may be more than one crossing, or a part of another: a view is doubtful and
@@ -100,9 +100,9 @@ impl Crossing {
             best: view,
             flags: meeting.flags.without(HitFlags::DOUBTFUL),
             is_certain: meeting.is_certain(),
-            at_trims: meeting.at_trims,
+            is_at_trims: meeting.trim_curve.is_some(),
             is_beyond: meeting.beyond || !meeting.is_certain(),
-            on_edge: meeting.on_edge,
+            on_either_side: meeting.on_either_side(),
             is_settled: settles(meeting),
             is_open: may_touch(meeting),
         }
@@ -116,7 +116,7 @@ impl Crossing {
     /// Adds another view.
     fn join(&mut self, view: usize, meetings: &[Meeting], pieces: &[Piece], axis: DVec3) {
         let meeting = &meetings[view];
-        self.on_edge |= meeting.on_edge;
+        self.on_either_side |= meeting.on_either_side();
         self.is_settled |= settles(meeting);
         let counted = &meetings[self.best];
         self.is_open |= are_apart(counted, meeting);
@@ -130,7 +130,7 @@ impl Crossing {
         }
         self.flags = self.flags.with(meeting.flags.without(HitFlags::DOUBTFUL));
         self.is_certain |= meeting.is_certain();
-        self.at_trims |= meeting.at_trims;
+        self.is_at_trims |= meeting.trim_curve.is_some();
         self.is_beyond &= meeting.beyond || !meeting.is_certain();
         self.is_open |= may_touch(meeting);
     }
@@ -146,7 +146,7 @@ impl Crossing {
             others.flat_map(|(_, theirs)| theirs).any(|other| end.adjoins(other))
         };
         ends.iter()
-            .filter(|(m, _)| m.on_edge)
+            .filter(|(m, _)| m.on_either_side())
             .all(|(m, own)| !own.is_empty() && own.iter().all(|end| is_shared(m, end)))
     }
 
@@ -155,22 +155,25 @@ impl Crossing {
         let is_doubtful = self.is_open || !self.is_certain;
         let doubt = if is_doubtful { HitFlags::DOUBTFUL } else { HitFlags::NONE };
         let flags = self.flags.with(doubt);
-        let on_edge = self.on_edge && !self.is_settled;
-        let (at_trims, beyond) = (self.at_trims, self.is_beyond);
-        Meeting { flags, at_trims, beyond, on_edge, ..meetings[self.best] }
+        let best = &meetings[self.best];
+        let trim_curve = self.is_at_trims.then(|| TrimCurve {
+            off: best.off_trim_curve(),
+            on_either_side: self.on_either_side && !self.is_settled,
+        });
+        Meeting { flags, trim_curve, beyond: self.is_beyond, ..*best }
     }
 }
 
 /// The edges that the ray of a meeting passes: where it may be on either side, those that it may
 /// have been aimed at. Of others, such a face says nothing.
 fn passed_edges(meeting: &Meeting, pieces: &[Piece], axis: DVec3) -> EdgeEnds {
-    let reach = if meeting.on_edge { EdgeReach::Aimed } else { EdgeReach::Met };
+    let reach = if meeting.on_either_side() { EdgeReach::Aimed } else { EdgeReach::Met };
     Face::new(meeting, pieces, reach, axis).edge_ends()
 }
 
 /// Whether the surface is surely met there, whatever else is.
 fn settles(meeting: &Meeting) -> bool {
-    meeting.is_certain() && !meeting.on_edge && !meeting.beyond
+    meeting.is_certain() && !meeting.on_either_side() && !meeting.beyond
 }
 
 /// Flags meetings without a normal at whose place something else is met. This comes after views of
@@ -193,7 +196,7 @@ fn doubt_without_normal(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3)
 fn doubt_half_touches(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) {
     // An edge of the only surface there is borders on nothing.
     let has_others = pieces.first().map(|p| p.surface) != pieces.last().map(|p| p.surface);
-    let is_half = |m: &Meeting| m.beyond || m.on_edge && has_others;
+    let is_half = |m: &Meeting| m.beyond || m.on_either_side() && has_others;
     for k in (0..meetings.len()).filter(|&k| is_half(&meetings[k])).collect::<Vec<_>>() {
         let touch = &meetings[k];
         let same_way = |m: &Meeting| m.cosine * touch.cosine > 0.0;
@@ -218,7 +221,7 @@ fn doubt_half_touches(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) {
 /// Drops the ends of stretches that lie inside another stretch of the same surface.
 fn join_stretches(meetings: &mut Vec<Meeting>) {
     let stretches: Vec<(u32, [f64; 2], f64)> =
-        meetings.iter().filter_map(|m| Some((m.surface, m.stretch?, 4.0 * m.t_error))).collect();
+        meetings.iter().filter_map(|m| Some((m.surface, m.stretch?, 4.0 * m.t_error()))).collect();
     meetings.retain(|m| {
         let Some([from, to]) = m.stretch else { return true };
         let is_start = (m.t - from).abs() <= (m.t - to).abs();
@@ -249,8 +252,8 @@ mod tests {
         let jet = Jet { point: t * DVec3::Z, ds: DVec3::X, dt: DVec3::Y };
         Meeting {
             t,
-            t_error: 1e-15 / cosine,
             z_error: 1e-15 / cosine,
+            t_from_z: 1.0,
             surface: 0,
             piece: 0,
             st: DVec2::splat(0.5),
@@ -258,15 +261,13 @@ mod tests {
             normal: Some(DVec3::Z),
             flags,
             error: 1e-15,
-            at_trims: false,
-            edge: 0.0,
+            trim_curve: None,
             cosine,
             stretch: None,
             beyond: false,
-            on_edge: false,
             aimed: 1e-16,
             cover: Cover::Sector,
-            place: 0,
+            place: None,
         }
     }
 

@@ -35,15 +35,14 @@ pub(super) fn reach_along(meetings: &[Meeting]) -> f64 {
 /// How far, in `t`, a meeting may be from another one at the same place; at a trim edge, the
 /// distance of the edge is added.
 fn off_along(meeting: &Meeting) -> f64 {
-    let t_from_z = meeting.t_error / meeting.z_error;
-    ALONG * meeting.t_error + meeting.edge * t_from_z
+    (ALONG * meeting.z_error + meeting.off_trim_curve()) * meeting.t_from_z
 }
 
 /// Whether two meetings are at the same place: of one piece, or one that two pieces share. `axis`
 /// is the direction of the ray.
 pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece], axis: DVec3) -> bool {
     let along = off_along(a) + off_along(b); // no more than `reach_along`
-    let (across, edge) = (APART * (a.error + b.error), a.edge + b.edge);
+    let (across, edge) = (APART * (a.error + b.error), a.off_trim_curve() + b.off_trim_curve());
     let reach = Reach::new(across, slope(a).min(slope(b)), edge, axis);
     let near = (a.t - b.t).abs() <= along && a.jet.point.distance(b.jet.point) <= reach.along_ray;
     if !near {
@@ -77,14 +76,16 @@ pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece], axis: DVe
 /// Whether two meetings at one place, both certain, are farther apart along the ray than the sum of
 /// their error bounds: they may well be two, as of borders that only nearly meet.
 pub(super) fn are_apart(a: &Meeting, b: &Meeting) -> bool {
-    let are_certain = a.is_certain() && b.is_certain() && a.edge + b.edge == 0.0;
-    are_certain && (a.t - b.t).abs() > a.t_error + b.t_error
+    let are_certain =
+        a.is_certain() && b.is_certain() && a.off_trim_curve() + b.off_trim_curve() == 0.0;
+    are_certain && (a.t - b.t).abs() > a.t_error() + b.t_error()
 }
 
 /// Whether two meetings at one place are farther apart along the ray than their errors allow: they
 /// are taken for one because it is not known how far off the trim edges are that they are at.
 pub(super) fn are_apart_without_edges(a: &Meeting, b: &Meeting) -> bool {
-    a.edge + b.edge > 0.0 && (a.t - b.t).abs() > ALONG * (a.t_error + b.t_error)
+    a.off_trim_curve() + b.off_trim_curve() > 0.0
+        && (a.t - b.t).abs() > ALONG * (a.t_error() + b.t_error())
 }
 
 /// How far a step in parameters moves a point, to first order.
@@ -110,7 +111,7 @@ pub(super) struct Reach {
 impl Reach {
     /// Between a meeting and another one like it.
     pub(super) fn around(meeting: &Meeting, axis: DVec3) -> Self {
-        Self::new(2.0 * APART * meeting.error, slope(meeting), 2.0 * meeting.edge, axis)
+        Self::new(2.0 * APART * meeting.error, slope(meeting), 2.0 * meeting.off_trim_curve(), axis)
     }
 
     /// Around a ray that was aimed at the meeting.
@@ -172,7 +173,7 @@ impl<'a> AtSides<'a> {
         let sides = reach.sides(meeting.st, &meeting.jet);
         let ends = |side: RectSide| piece.is_border(side) || piece.is_collapsed(side);
         let at_side = RectSide::ALL.into_iter().any(|side| sides[side] && ends(side));
-        let at_end = meeting.at_trims || at_side;
+        let at_end = meeting.trim_curve.is_some() || at_side;
         Self { meeting, piece, sides, at_end }
     }
 
@@ -191,8 +192,7 @@ impl<'a> AtSides<'a> {
     /// be a thin piece between their pieces.
     fn is_beside(&self, other: &Self, reach: &Reach) -> bool {
         let [here, there] = [self, other].map(|at| at.piece.chart_uv(at.meeting.st));
-        let lengths = self.piece.domain().map(|[from, to]| to - from);
-        let d = (here - there) / DVec2::from_array(lengths);
-        moved(&self.meeting.jet, d) <= 4.0 * reach.along_ray
+        let step = (here - there) / self.piece.lengths();
+        moved(&self.meeting.jet, step) <= 4.0 * reach.along_ray
     }
 }

@@ -58,7 +58,11 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
                     fates[j].is_doubtful |= in_doubt;
                 }
                 // The angles have told on which side of all edges the ray passes.
-                group.members.iter().for_each(|&j| meetings[j].on_edge = false);
+                for &j in &group.members {
+                    if let Some(curve) = &mut meetings[j].trim_curve {
+                        curve.on_either_side = false;
+                    }
+                }
             }
             Way::Touching { apex } => {
                 others.push(Meeting { cosine: -meetings[apex].cosine, ..meetings[apex] });

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::borders::{at_border, on_piece};
 use super::grazing::KnownRoot;
-use super::meeting::{Cover, Meeting};
+use super::meeting::{Cover, Meeting, TrimCurve};
 use super::placed_leaf::PlacedLeaf;
 use super::pole_side::stands_still;
 use super::question::Question;
@@ -84,8 +84,7 @@ struct Candidate<'a> {
 enum AtTrims {
     /// Inside, far from their edges.
     Inside,
-    /// At a trim curve, if only one along the border (see [`Meeting::at_trims`]), to within this
-    /// distance in space.
+    /// At a [trim curve](TrimCurve), to within this distance in space.
     Edge { distance: f64, kept: Kept },
     /// Cut off for certain, but so near to an edge that another search may have found the place
     /// there.
@@ -107,7 +106,7 @@ impl AtTrims {
 enum Kept {
     Nothing,
     All,
-    /// The edge passes there; see [`Meeting::on_edge`].
+    /// The edge passes there: see [`TrimCurve::on_either_side`].
     Part,
     /// Not asked, or judged otherwise than the place itself.
     Unknown,
@@ -175,11 +174,10 @@ impl<'a> Candidate<'a> {
                 if piece.is_cut_within(spot.st, trim_reach(&spot.jet, z_error)) {
                     self.flags.insert(HitFlags::TRIM_EDGE);
                 }
-                let lengths = DVec2::from_array(piece.domain().map(|[from, to]| to - from));
                 let speeds = DVec2::new(spot.jet.ds.length(), spot.jet.dt.length());
                 // At a pole a parameter may be anything: a distance that is not finite says
                 // nothing.
-                let off = (distance / lengths).dot(speeds);
+                let off = (distance / piece.lengths()).dot(speeds);
                 let distance = if off.is_finite() { off } else { 0.0 };
                 let pole = leaf.collapsed(piece).filter(|_| !inside);
                 let place = pole.and_then(|side| spot.kept(question.set, side, (ray, allowed)));
@@ -292,7 +290,10 @@ impl<'a> Candidate<'a> {
             flags.insert(HitFlags::DOUBTFUL);
             cosine = 0.0;
         }
-        let edge = self.trims.edge();
+        let trim_curve = self.trims.edge().map(|(off, kept)| {
+            let on_either_side = kept == Kept::Part;
+            TrimCurve { off, on_either_side }
+        });
         let Spot { index, piece, st, jet } = spot;
         let stretch = match self.solution.evidence {
             Evidence::Stretch(z) => Some(z.map(|z| z * ray.t_from_z)),
@@ -300,8 +301,8 @@ impl<'a> Candidate<'a> {
         };
         Meeting {
             t: z * ray.t_from_z,
-            t_error: z_error * ray.t_from_z,
             z_error,
+            t_from_z: ray.t_from_z,
             surface: piece.surface,
             piece: index,
             st,
@@ -309,15 +310,13 @@ impl<'a> Candidate<'a> {
             normal,
             flags,
             error,
-            at_trims: edge.is_some(),
-            edge: edge.map_or(0.0, |(distance, _)| distance),
+            trim_curve,
             cosine,
             stretch,
             beyond,
-            on_edge: edge.is_some_and(|(_, kept)| kept == Kept::Part),
             aimed,
             cover,
-            place: 0,
+            place: None,
         }
     }
 }

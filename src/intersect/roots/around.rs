@@ -61,7 +61,7 @@ pub(crate) fn edges_at(
     borders: [bool; 4],
     trims: Option<&Sectors>,
 ) -> EdgeEnds {
-    let lengths = DVec2::from_array(piece.domain().map(|[from, to]| to - from));
+    let lengths = piece.lengths();
     let kept = kept_sectors(borders, trims);
     // One sector begins where another ends, or at an edge.
     let is_inside = |angle: f64, other: usize| {

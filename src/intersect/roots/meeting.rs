@@ -14,9 +14,10 @@ use crate::patch::{Jet, Piece};
 pub(crate) struct Meeting {
     /// The ray parameter.
     pub t: f64,
-    /// Error bounds of `t`, and of the distance along the ray in scene units.
-    pub t_error: f64,
+    /// Error bound of the distance along the ray, in scene units, and what makes such a distance a
+    /// ray parameter.
     pub z_error: f64,
+    pub t_from_z: f64,
     pub surface: u32,
     pub piece: u32,
     pub st: DVec2,
@@ -26,11 +27,8 @@ pub(crate) struct Meeting {
     pub flags: HitFlags,
     /// How far the surface's point may be from the ray.
     pub error: f64,
-    /// Whether it is at a trim curve, to within rounding. A curve along the border of the domain
-    /// counts, though it is no trim edge to report.
-    pub at_trims: bool,
-    /// How far the point may be from the trim edge it is at; zero elsewhere.
-    pub edge: f64,
+    /// The trim curve it is at, if it is at one.
+    pub trim_curve: Option<TrimCurve>,
     /// The cosine between the ray and the normal, signed; zero where there is no normal, or where
     /// the ray may go either way.
     pub cosine: f64,
@@ -39,16 +37,23 @@ pub(crate) struct Meeting {
     /// Whether the ray passes a side of the piece, or an edge of its trims, on the outside, by more
     /// than the rounding of a ray aimed at it.
     pub beyond: bool,
-    /// Whether a ray that was aimed at a trim edge may be this one: which side of the edge it
-    /// passes is not known. (Known only where all hits are asked for.)
-    pub on_edge: bool,
     /// How far a ray may pass a point there and still be one that was aimed at it.
     pub aimed: f64,
     /// What the piece covers of a disk of that radius about the ray.
     pub cover: Cover,
-    /// The number, from 1, of the place where it is met together with other faces, if these must
-    /// balance; 0 elsewhere.
-    pub place: u32,
+    /// The number of the place where it is met together with other faces, if these must balance.
+    pub place: Option<u32>,
+}
+
+/// A trim curve that a place is at, to within rounding. One along the border of the domain counts,
+/// though it is no trim edge to report.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TrimCurve {
+    /// How far the point may be from the curve.
+    pub off: f64,
+    /// Whether a ray that was aimed at the curve may be this one: which side of it the ray passes is
+    /// not known. (Told only where all hits are asked for.)
+    pub on_either_side: bool,
 }
 
 /// What a piece covers of the surroundings of a ray that meets it: of a disk across the ray, so
@@ -71,6 +76,21 @@ impl Meeting {
         let by_piece = self.t.total_cmp(&other.t).then_with(|| place(self).cmp(&place(other)));
         let (a, b) = (self.st, other.st);
         by_piece.then_with(|| a.x.total_cmp(&b.x)).then_with(|| a.y.total_cmp(&b.y))
+    }
+
+    /// Error bound of `t`.
+    pub(crate) fn t_error(&self) -> f64 {
+        self.z_error * self.t_from_z
+    }
+
+    /// How far the point may be from the trim curve it is at; zero elsewhere.
+    pub(crate) fn off_trim_curve(&self) -> f64 {
+        self.trim_curve.map_or(0.0, |curve| curve.off)
+    }
+
+    /// Whether the ray may pass the trim curve there on either side.
+    pub(crate) fn on_either_side(&self) -> bool {
+        self.trim_curve.is_some_and(|curve| curve.on_either_side)
     }
 
     /// Whether floating point has decided that the ray meets the leaf here.
@@ -98,8 +118,8 @@ impl CertainHit {
         let Self { t, z_error, st, jet, normal, flags, .. } = self;
         Meeting {
             t,
-            t_error: z_error * frame.t_from_z,
             z_error,
+            t_from_z: frame.t_from_z,
             surface: piece.surface,
             piece: self.piece,
             st,
@@ -107,15 +127,13 @@ impl CertainHit {
             normal,
             flags,
             error: piece.patch.error_bound(frame.magnitude),
-            at_trims: false,
-            on_edge: false,
-            edge: 0.0,
+            trim_curve: None,
             cosine: normal.map_or(0.0, |normal| normal.dot(frame.axis)),
             stretch: None,
             beyond: false,
             aimed: AIMED * rounding_at(jet.point, piece, frame),
             cover: Cover::Sector,
-            place: 0,
+            place: None,
         }
     }
 }

@@ -28,9 +28,9 @@ pub(super) fn answer_of<'m>(
     // ends of stretches are.
     let before = |first: &Meeting, meeting: &Meeting| {
         let reach = SAME_PLACE * (first.error + meeting.error);
-        let earlier = first.t - (meeting.t - meeting.t_error);
+        let earlier = first.t - (meeting.t - meeting.t_error());
         let is_first = meeting.jet.point.distance(first.jet.point) <= reach
-            && (meeting.stretch.is_some() || earlier <= SAME_PLACE * first.t_error);
+            && (meeting.stretch.is_some() || earlier <= SAME_PLACE * first.t_error());
         !meeting.is_certain() && earlier >= 0.0 && !is_first
     };
     let is_before = |first| reachable.clone().any(|meeting| before(first, meeting));

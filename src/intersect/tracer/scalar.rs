@@ -114,7 +114,7 @@ impl Wanted {
         match self {
             // Up to the nearest meeting, plus its error bound.
             Self::First => {
-                let ends = meetings.iter().map(|meeting| meeting.t + meeting.t_error);
+                let ends = meetings.iter().map(|meeting| meeting.t + meeting.t_error());
                 ends.fold(f64::INFINITY, f64::min) / t_from_z
             }
             // One certain hit is enough; a doubtful one keeps the search going.

@@ -77,6 +77,11 @@ impl Piece {
         [net.spans[0][*row as usize].domain, net.spans[1][*column as usize].domain]
     }
 
+    /// How long the domain is in `u` and in `v`.
+    pub(crate) fn lengths(&self) -> DVec2 {
+        DVec2::from_array(self.domain().map(|[from, to]| to - from))
+    }
+
     /// Whether a side is a border of the surface.
     pub(crate) fn is_border(&self, side: RectSide) -> bool {
         has(self.border, side as usize)
@@ -130,8 +135,7 @@ impl Piece {
     /// `reach` on the unit square as one in the chart's parameters, with this part of their
     /// rounding.
     pub(crate) fn chart_reach(&self, reach: DVec2, part: f64) -> DVec2 {
-        let lengths = DVec2::from_array(self.domain().map(|[from, to]| to - from));
-        let reach = reach * lengths + part * self.uv_rounding();
+        let reach = reach * self.lengths() + part * self.uv_rounding();
         // NaN means unknown.
         DVec2::select(reach.cmpge(DVec2::ZERO), reach, DVec2::INFINITY)
     }
