@@ -14,16 +14,14 @@
 
 use std::f64::consts::TAU;
 
-use glam::DVec3;
 use smallvec::SmallVec;
 
 use super::faces::{EdgeReach, Face};
-use super::same_place::{Reach, at_one_place, reach_along};
+use super::same_place::{Reach, Sight, at_one_place, reach_along};
 use super::sense::{has_no_normal, may_touch};
 use super::vertices::{AtVertex, MOST_TURNED};
 use crate::intersect::HitFlags;
 use crate::intersect::roots::meeting::{Cover, Meeting};
-use crate::patch::Piece;
 
 /// What the crossings of each place must add up to.
 pub(super) struct Balance {
@@ -32,17 +30,16 @@ pub(super) struct Balance {
 
 impl Balance {
     /// Finds the places at which several faces are met, and numbers the meetings by them.
-    /// The meetings are sorted by `t`. Each of a place is at one place with some other of it, as
-    /// seen along the ray's direction `axis`.
-    pub(super) fn new(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) -> Self {
+    /// The meetings are sorted by `t`. Each of a place is at one place with some other of it.
+    pub(super) fn new(meetings: &mut [Meeting], sight: Sight<'_>) -> Self {
         let reach = reach_along(meetings);
         let mut places = SmallVec::new();
         for run in meetings.chunk_by_mut(|a, b| b.t - a.t <= reach) {
-            let firsts = firsts_of(run, pieces, axis);
+            let firsts = firsts_of(run, sight);
             for first in 0..run.len() {
                 let here = |k: &usize| firsts[*k] == first;
                 let members: SmallVec<[usize; 8]> = (0..run.len()).filter(here).collect();
-                let shares = Shares::of(members.iter().map(|&k| &run[k]), pieces, axis);
+                let shares = Shares::of(members.iter().map(|&k| &run[k]), sight);
                 if let Some(shares) = shares {
                     let place = places.len() as u32;
                     members.iter().for_each(|&k| run[k].place = Some(place));
@@ -68,12 +65,12 @@ impl Balance {
 
 /// For each of some meetings, the first of those that it is at one place with, directly or by way
 /// of others.
-fn firsts_of(run: &[Meeting], pieces: &[Piece], axis: DVec3) -> SmallVec<[usize; 8]> {
+fn firsts_of(run: &[Meeting], sight: Sight<'_>) -> SmallVec<[usize; 8]> {
     let mut firsts: SmallVec<[usize; 8]> = (0..run.len()).collect();
     for k in 1..run.len() {
         for j in 0..k {
             let [a, b] = [firsts[j], firsts[k]];
-            if a != b && at_one_place(&run[j], &run[k], pieces, axis) {
+            if a != b && at_one_place(&run[j], &run[k], sight) {
                 let (to, from) = (a.min(b), a.max(b));
                 firsts.iter_mut().filter(|first| **first == from).for_each(|first| *first = to);
             }
@@ -97,8 +94,7 @@ impl Shares {
     /// may touch one of them.
     fn of<'m>(
         meetings: impl Iterator<Item = &'m Meeting> + Clone,
-        pieces: &[Piece],
-        axis: DVec3,
+        sight: Sight<'_>,
     ) -> Option<Self> {
         let first = meetings.clone().next()?;
         let both = meetings.clone().any(|m| m.cosine * first.cosine < 0.0);
@@ -109,12 +105,12 @@ impl Shares {
         let mut faces: SmallVec<[Face<'_>; 4]> = SmallVec::new();
         let mut net = 0.0;
         for meeting in meetings.clone() {
-            let around = Reach::around(meeting, axis);
+            let around = Reach::around(meeting, sight.axis);
             let is_seen = faces.iter().any(|face| {
                 face.meeting.piece == meeting.piece && face.with_reach(around).holds(meeting.st)
             });
             if !is_seen {
-                let face = Face::new(meeting, pieces, EdgeReach::Aimed, axis);
+                let face = Face::new(meeting, EdgeReach::Aimed, sight);
                 net += face.share();
                 faces.push(face);
             }
@@ -123,7 +119,7 @@ impl Shares {
         if faces.len() > 2 && !is_whole {
             // So near to a corner that faces do not agree about its edges. A larger disk, of what
             // they cover as far as edges are met, will do if all of them are met.
-            match AtVertex::of(meetings, pieces, axis) {
+            match AtVertex::of(meetings, sight) {
                 AtVertex::Through(sign) => net = sign,
                 AtVertex::Touching => net = 0.0,
                 AtVertex::ThroughMore | AtVertex::Unknown => {}

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::same_place::{Reach, moved};
+use super::same_place::{Reach, Sight, moved};
 use crate::geometry::trim::Sectors;
 use crate::geometry::{Direction, RectSide};
 use crate::intersect::roots::around::{EdgeEnds, direction, edges_at, kept_sectors};
@@ -49,13 +49,9 @@ pub(super) enum EdgeReach {
 }
 
 impl<'a> Face<'a> {
-    /// The face of a meeting with a ray along `axis`.
-    pub(super) fn new(
-        meeting: &'a Meeting,
-        pieces: &'a [Piece],
-        edges: EdgeReach,
-        axis: DVec3,
-    ) -> Self {
+    /// The face of a meeting.
+    pub(super) fn new(meeting: &'a Meeting, edges: EdgeReach, sight: Sight<'a>) -> Self {
+        let Sight { pieces, axis } = sight;
         let reach = match edges {
             EdgeReach::Met => Reach::around(meeting, axis),
             EdgeReach::Aimed => Reach::aimed(meeting, axis),

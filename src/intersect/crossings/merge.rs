@@ -5,7 +5,7 @@ use smallvec::{SmallVec, smallvec};
 
 use super::balance::Balance;
 use super::faces::{EdgeReach, Face};
-use super::same_place::{are_apart, are_apart_without_edges, at_one_place, reach_along};
+use super::same_place::{Sight, are_apart, are_apart_without_edges, at_one_place, reach_along};
 use super::sense::{has_no_normal, may_touch, same_sense};
 use super::vertices;
 use crate::intersect::HitFlags;
@@ -26,10 +26,11 @@ use crate::patch::Piece;
 /// leave there, or to do neither. Where only one of the two sides was near enough, its meeting is
 /// doubtful. So is all that is met at a place where it does not [balance](Balance).
 pub(crate) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
+    let sight = Sight { pieces, axis };
     meetings.sort_by(Meeting::order);
     join_stretches(meetings);
-    let balance = Balance::new(meetings, pieces, axis);
-    vertices::settle(meetings, pieces, axis);
+    let balance = Balance::new(meetings, sight);
+    vertices::settle(meetings, sight);
 
     let reach = reach_along(meetings);
     let mut crossings: Vec<Crossing> = Vec::new();
@@ -38,10 +39,10 @@ pub(crate) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) 
     for (k, meeting) in meetings.iter().enumerate() {
         near.retain(|&c| meeting.t - meetings[crossings[c].last()].t <= reach);
         let is_same =
-            |view: &Meeting| same_sense(view, meeting) && at_one_place(view, meeting, pieces, axis);
+            |view: &Meeting| same_sense(view, meeting) && at_one_place(view, meeting, sight);
         let joins = |&&c: &&usize| is_same(&crossings[c].counted(meetings));
         if let Some(&c) = near.iter().rev().find(joins) {
-            crossings[c].join(k, meetings, pieces, axis);
+            crossings[c].join(k, meetings, sight);
             continue;
         }
         let mut crossing = Crossing::new(k, meeting);
@@ -55,7 +56,7 @@ pub(crate) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) 
         crossings.push(crossing);
     }
     for crossing in crossings.iter_mut().filter(|one| one.on_either_side && !one.is_settled) {
-        crossing.is_settled = crossing.is_closed(meetings, pieces, axis);
+        crossing.is_settled = crossing.is_closed(meetings, sight);
     }
     // No crossing counts by a view that comes before its own place among the crossings.
     for (c, crossing) in crossings.iter().enumerate() {
@@ -64,8 +65,8 @@ pub(crate) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) 
     meetings.truncate(crossings.len());
     // A certain view may lie a little behind the doubtful one whose place it has taken.
     meetings.sort_by(|a, b| a.t.total_cmp(&b.t));
-    doubt_without_normal(meetings, pieces, axis);
-    doubt_half_touches(meetings, pieces, axis);
+    doubt_without_normal(meetings, sight);
+    doubt_half_touches(meetings, sight);
     balance.check(meetings);
 }
 
@@ -114,14 +115,14 @@ impl Crossing {
     }
 
     /// Adds another view.
-    fn join(&mut self, view: usize, meetings: &[Meeting], pieces: &[Piece], axis: DVec3) {
+    fn join(&mut self, view: usize, meetings: &[Meeting], sight: Sight<'_>) {
         let meeting = &meetings[view];
         self.on_either_side |= meeting.on_either_side();
         self.is_settled |= settles(meeting);
         let counted = &meetings[self.best];
         self.is_open |= are_apart(counted, meeting);
         if are_apart_without_edges(counted, meeting) {
-            let ends = |m| Face::new(m, pieces, EdgeReach::Met, axis).edge_ends();
+            let ends = |m| Face::new(m, EdgeReach::Met, sight).edge_ends();
             self.is_open |= Turn::of(&ends(counted), &ends(meeting)) != Turn::Alike;
         }
         self.views.push(view);
@@ -137,10 +138,10 @@ impl Crossing {
 
     /// Whether each edge that the ray may pass on either side has another face on its other side: as
     /// the ray passes one of them, it passes the surface.
-    fn is_closed(&self, meetings: &[Meeting], pieces: &[Piece], axis: DVec3) -> bool {
+    fn is_closed(&self, meetings: &[Meeting], sight: Sight<'_>) -> bool {
         let views = || self.views.iter().map(|&view| &meetings[view]);
         let ends: SmallVec<[(&Meeting, EdgeEnds); 4]> =
-            views().map(|m| (m, passed_edges(m, pieces, axis))).collect();
+            views().map(|m| (m, passed_edges(m, sight))).collect();
         let is_shared = |own: &Meeting, end: &EdgeEnd| {
             let others = ends.iter().filter(|(other, _)| other.piece != own.piece);
             others.flat_map(|(_, theirs)| theirs).any(|other| end.adjoins(other))
@@ -166,9 +167,9 @@ impl Crossing {
 
 /// The edges that the ray of a meeting passes: where it may be on either side, those that it may
 /// have been aimed at. Of others, such a face says nothing.
-fn passed_edges(meeting: &Meeting, pieces: &[Piece], axis: DVec3) -> EdgeEnds {
+fn passed_edges(meeting: &Meeting, sight: Sight<'_>) -> EdgeEnds {
     let reach = if meeting.on_either_side() { EdgeReach::Aimed } else { EdgeReach::Met };
-    Face::new(meeting, pieces, reach, axis).edge_ends()
+    Face::new(meeting, reach, sight).edge_ends()
 }
 
 /// Whether the surface is surely met there, whatever else is.
@@ -178,10 +179,10 @@ fn settles(meeting: &Meeting) -> bool {
 
 /// Flags meetings without a normal at whose place something else is met. This comes after views of
 /// one crossing are merged, so that no view can take the flag away again.
-fn doubt_without_normal(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) {
+fn doubt_without_normal(meetings: &mut [Meeting], sight: Sight<'_>) {
     for k in (0..meetings.len()).filter(|&k| has_no_normal(&meetings[k])).collect::<Vec<_>>() {
         let bare = &meetings[k];
-        if meetings.iter().any(|m| !has_no_normal(m) && at_one_place(m, bare, pieces, axis)) {
+        if meetings.iter().any(|m| !has_no_normal(m) && at_one_place(m, bare, sight)) {
             meetings[k].flags.insert(HitFlags::DOUBTFUL);
         }
     }
@@ -193,21 +194,22 @@ fn doubt_without_normal(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3)
 ///
 /// Where a trim edge meets a border without trims, rays are said to meet the edge from a little
 /// farther away than the border: these pass the border's face on its outside, and the other, too.
-fn doubt_half_touches(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) {
+fn doubt_half_touches(meetings: &mut [Meeting], sight: Sight<'_>) {
     // An edge of the only surface there is borders on nothing.
-    let has_others = pieces.first().map(|p| p.surface) != pieces.last().map(|p| p.surface);
+    let has_others =
+        sight.pieces.first().map(|p| p.surface) != sight.pieces.last().map(|p| p.surface);
     let is_half = |m: &Meeting| m.beyond || m.on_either_side() && has_others;
     for k in (0..meetings.len()).filter(|&k| is_half(&meetings[k])).collect::<Vec<_>>() {
         let touch = &meetings[k];
         let same_way = |m: &Meeting| m.cosine * touch.cosine > 0.0;
-        let near = |a: &Meeting, b: &Meeting| at_one_place(a, b, pieces, axis);
+        let near = |a: &Meeting, b: &Meeting| at_one_place(a, b, sight);
         let is_taken = |m: &Meeting| {
             (0..meetings.len()).any(|j| j != k && same_way(&meetings[j]) && near(&meetings[j], m))
         };
         let opposite = |m: &&Meeting| m.cosine * touch.cosine < 0.0;
         // Where two bodies touch along an edge, a face of one says nothing of the other.
         let is_of_one_body = |m: &Meeting| {
-            let [own, others] = [touch, m].map(|m| passed_edges(m, pieces, axis));
+            let [own, others] = [touch, m].map(|m| passed_edges(m, sight));
             Turn::of(&own, &others) != Turn::Opposite
         };
         let matches = |m: &Meeting| near(m, touch) && !is_taken(m) && is_of_one_body(m);
@@ -276,7 +278,8 @@ mod tests {
         let (first, other) = (view(1.0, 0.5, HitFlags::NONE), view(1.5, 0.7, HitFlags::BORDER));
         let counted = |views: &[Meeting]| {
             let mut crossing = Crossing::new(0, &views[0]);
-            (1..views.len()).for_each(|k| crossing.join(k, views, &[], DVec3::Z));
+            (1..views.len())
+                .for_each(|k| crossing.join(k, views, Sight { pieces: &[], axis: DVec3::Z }));
             let Meeting { t, flags, .. } = crossing.counted(views);
             (t, flags)
         };

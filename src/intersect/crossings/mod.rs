@@ -11,3 +11,5 @@ pub(super) mod merge;
 mod same_place;
 mod sense;
 mod vertices;
+
+pub(super) use same_place::APART;

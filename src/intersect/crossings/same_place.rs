@@ -17,15 +17,24 @@ const LEAST_COSINE: f64 = 1e-8;
 const ALONG: f64 = 2.0;
 
 /// Meetings at one place are closer in space than this many times the sum of their errors, over the
-/// smaller cosine: more than the error of each and its move to a border. (Other factors were not
-/// tried.)
-const APART: f64 = 4.0;
+/// smaller cosine: each is off by its error, and by as much again where it was moved to a border; the
+/// rest is spare. (Other factors were not tried.)
+pub(crate) const APART: f64 = 4.0;
 
 /// The smallest sine of the angle between tangents that is used to tell how near a side is; it
 /// replaces smaller ones. Where tangents are parallel, as in a cusp, every side would be near. This
 /// is less than for [`Piece::side_distances`], whose sides have no other evidence: here two
 /// meetings are near each other already.
 const NARROWEST: f64 = 1e-6;
+
+/// What the meetings of a ray are seen in.
+#[derive(Clone, Copy)]
+pub(super) struct Sight<'a> {
+    /// The pieces that they are on.
+    pub(super) pieces: &'a [Piece],
+    /// The ray's direction.
+    pub(super) axis: DVec3,
+}
 
 /// How far apart, in `t`, meetings at the same place may be.
 pub(super) fn reach_along(meetings: &[Meeting]) -> f64 {
@@ -38,9 +47,9 @@ fn off_along(meeting: &Meeting) -> f64 {
     (ALONG * meeting.z_error + meeting.off_trim_curve()) * meeting.t_from_z
 }
 
-/// Whether two meetings are at the same place: of one piece, or one that two pieces share. `axis`
-/// is the direction of the ray.
-pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece], axis: DVec3) -> bool {
+/// Whether two meetings are at the same place: of one piece, or one that two pieces share.
+pub(super) fn at_one_place(a: &Meeting, b: &Meeting, sight: Sight<'_>) -> bool {
+    let Sight { pieces, axis } = sight;
     let along = off_along(a) + off_along(b); // no more than `reach_along`
     let (across, edge) = (APART * (a.error + b.error), a.off_trim_curve() + b.off_trim_curve());
     let reach = Reach::new(across, slope(a).min(slope(b)), edge, axis);

@@ -3,7 +3,7 @@
 use crate::intersect::roots::meeting::Meeting;
 
 /// The cosine below which the ray of a doubtful meeting may touch the surface.
-const GRAZING: f64 = 1e-4;
+const MAY_TOUCH: f64 = 1e-4;
 
 /// It may also touch the surface if the square of the cosine is less than this many times the error
 /// over the size of the piece: if the radius of curvature is an eighth of that size, and the ray is
@@ -23,7 +23,7 @@ pub(super) fn may_touch(meeting: &Meeting) -> bool {
     let jet = &meeting.jet;
     let size = jet.ds.length().max(jet.dt.length());
     let is_bent = meeting.cosine.powi(2) * size < BENT * meeting.error;
-    meeting.cosine.abs() < GRAZING || is_bent
+    meeting.cosine.abs() < MAY_TOUCH || is_bent
 }
 
 /// Whether the surface has no normal there, nor a limit of normals: it runs to a cusp or a crease.

@@ -12,14 +12,11 @@
 
 use std::f64::consts::TAU;
 
-use glam::DVec3;
-
 use super::faces::{EdgeReach, Face};
-use super::same_place::{at_one_place, reach_along};
+use super::same_place::{Sight, at_one_place, reach_along};
 use super::sense::{has_no_normal, may_touch};
 use crate::intersect::HitFlags;
 use crate::intersect::roots::meeting::Meeting;
-use crate::patch::Piece;
 
 /// How far a sum of angles may be from a whole number of turns, in turns: far more than the
 /// rounding error if no face is met at a cosine below 1e-8, and less than a missing face would
@@ -28,9 +25,8 @@ pub(super) const MOST_TURNED: f64 = 1e-6;
 
 /// Drops meetings at vertices that are on the wrong side where the ray only enters, or only leaves;
 /// where this cannot be decided, they become doubtful. An apex has all sides: it takes that of the
-/// ray or, where it is touched, both. `meetings` are sorted by increasing `t`; `axis` is the ray's
-/// direction.
-pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
+/// ray or, where it is touched, both. `meetings` are sorted by increasing `t`.
+pub(super) fn settle(meetings: &mut Vec<Meeting>, sight: Sight<'_>) {
     // Meetings are flagged and dropped at the end: what is at one place depends on flags.
     let mut fates = vec![Fate::default(); meetings.len()];
     let mut others = Vec::new();
@@ -39,11 +35,11 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
         if fates[k].is_seen {
             continue;
         }
-        let group = Group::at_place_of(k, meetings, reach, &fates, pieces, axis);
+        let group = Group::at_place_of(k, meetings, reach, &fates, sight);
         for &j in &group.members {
             fates[j].is_seen = true;
         }
-        match group.way(meetings, pieces, axis) {
+        match group.way(meetings, sight) {
             Way::Any => {}
             Way::Through { sign, apex } => {
                 if let Some(apex) = apex {
@@ -120,10 +116,9 @@ impl Group {
         meetings: &[Meeting],
         reach: f64,
         fates: &[Fate],
-        pieces: &[Piece],
-        axis: DVec3,
+        sight: Sight<'_>,
     ) -> Self {
-        let together = |a: usize, b: usize| at_one_place(&meetings[a], &meetings[b], pieces, axis);
+        let together = |a: usize, b: usize| at_one_place(&meetings[a], &meetings[b], sight);
         let near = |&j: &usize| meetings[j].t - meetings[k].t <= reach;
         let here = |&j: &usize| j == k || together(k, j);
         let members: Vec<usize> = (k..meetings.len()).take_while(near).filter(here).collect();
@@ -133,23 +128,23 @@ impl Group {
         Self { members, overlaps }
     }
 
-    fn way(&self, meetings: &[Meeting], pieces: &[Piece], axis: DVec3) -> Way {
+    fn way(&self, meetings: &[Meeting], sight: Sight<'_>) -> Way {
         let all = || self.members.iter().map(|&j| &meetings[j]);
         if all().any(|m| may_touch(m) || has_no_normal(m)) {
             return Way::Any;
         }
         let both = all().any(|m| m.cosine > 0.0) && all().any(|m| m.cosine < 0.0);
-        let at_apex = |m: &Meeting| pieces[m.piece as usize].is_apex(m.jet.point);
+        let at_apex = |m: &Meeting| sight.pieces[m.piece as usize].is_apex(m.jet.point);
         let apex = self.members.iter().copied().find(|&j| at_apex(&meetings[j]));
         if !both && apex.is_none() {
             // Where a surface overlaps itself, a ray may go through it twice at one place.
-            let twice = || matches!(AtVertex::of(all(), pieces, axis), AtVertex::ThroughMore);
+            let twice = || matches!(AtVertex::of(all(), sight), AtVertex::ThroughMore);
             return if self.members.len() > 2 && twice() { Way::Unknown } else { Way::Any };
         }
         if self.overlaps {
             return Way::Unknown;
         }
-        match (AtVertex::of(all(), pieces, axis), apex) {
+        match (AtVertex::of(all(), sight), apex) {
             (AtVertex::Through(sign), apex) => Way::Through { sign, apex },
             (AtVertex::Touching, Some(apex)) if !both => Way::Touching { apex },
             (AtVertex::Touching, _) => Way::Any,
@@ -171,15 +166,11 @@ pub(super) enum AtVertex {
 
 impl AtVertex {
     /// How a ray passes the faces that it meets at one place.
-    pub(super) fn of<'m>(
-        meetings: impl Iterator<Item = &'m Meeting>,
-        pieces: &[Piece],
-        axis: DVec3,
-    ) -> Self {
+    pub(super) fn of<'m>(meetings: impl Iterator<Item = &'m Meeting>, sight: Sight<'_>) -> Self {
         let mut faces: Vec<(&Meeting, [bool; 4])> = Vec::new();
         let mut sum = 0.0;
         for meeting in meetings {
-            let face = Face::new(meeting, pieces, EdgeReach::Met, axis);
+            let face = Face::new(meeting, EdgeReach::Met, sight);
             // Leaves of one piece may see the same corner; and a piece may meet itself.
             let sides = face.sides();
             let is_known = faces.iter().any(|&(known, its)| {
@@ -205,7 +196,7 @@ impl AtVertex {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec2;
+    use glam::{DVec2, DVec3};
 
     use super::*;
     use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims, UvBox};

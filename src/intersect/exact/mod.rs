@@ -5,8 +5,9 @@
 //! `(w x, w y, w z, w)`. The ray meets it where the polynomials `f = (w x, w y)` vanish together.
 //! These are taken to be known to within `ε`: half the error bound of a point, times the largest
 //! weight. (Like the promise for points, this does not bound the worst case of all roundings: the
-//! most pessimistic count for cutting alone, `12 (p + q)` units of the largest coefficient, is more
-//! where the leaf's piece is as large as its coordinates. Errors of random sign stay well below.)
+//! most pessimistic count for cutting the net down twice, `12 (p + q)` units of the largest
+//! coefficient, is more than the `2 (p + q + 4)` units taken. Errors of random sign stay well below:
+//! of random nets of degree 1 to 12, compared with exact fractions, none was off by half of that.)
 //! The solver keeps a list of parameter boxes that may hold roots, and asks of each:
 //!
 //! 1. *Can it be discarded?* A polynomial lies between the smallest and the largest of its
@@ -38,4 +39,4 @@ mod problem;
 mod solver;
 
 pub(super) use problem::{Evidence, Problem, Solution};
-pub(super) use solver::{AT_POLE, END, ExactSolver, STRETCH};
+pub(super) use solver::{AT_CONTACT, AT_POLE, END, ExactSolver, STRETCH};

@@ -62,6 +62,14 @@ pub(crate) const END: f64 = 1e-9;
 /// rounding error; at one of fourth order, 1e-4.
 pub(crate) const STRETCH: f64 = 1e-3;
 
+/// Boxes are discarded that are farther from the ray than this part of the promise for a point. The
+/// other half is kept for the error of a contact's own point.
+const DISCARDED: f64 = 0.5;
+
+/// The point of a contact is within this many errors of the ray: one that nothing has discarded, and
+/// one of its own.
+pub(crate) const AT_CONTACT: f64 = 2.0;
+
 /// A ray that passes the point of a collapsed side within this many errors meets it there.
 pub(crate) const AT_POLE: f64 = 2.0;
 
@@ -80,13 +88,8 @@ pub(crate) struct ExactSolver {
     queue: Vec<EndBox>,
     /// The largest extent of the leaf.
     size: f64,
-    /// Error bound of `w x` and `w y`: half of the promise for a point, times the largest weight.
-    /// The other half is kept for the error of a contact's own point.
-    ///
-    /// Like that promise ([`residual_factor`](crate::math::rounding::residual_factor)), it holds
-    /// for errors of random sign. If all had one sign, cutting the net down twice could cost
-    /// `12 (p + q) u`, more than the `2 (p + q + 4) u` taken here; of random nets of degree 1 to
-    /// 12, compared with exact fractions, none was off by half of that.
+    /// Error bound `ε` of `w x` and `w y`: [`DISCARDED`] of that of a point, times the largest
+    /// weight. The [module](super) says what it rests on.
     error: f64,
     /// Boxes looked at since the solver was made.
     pub boxes: u64,
@@ -162,7 +165,7 @@ impl ExactSolver {
         let extents = [bounds.x, bounds.y, bounds.z].map(|range| range.hi - range.lo);
         self.size = extents.into_iter().fold(0.0, f64::max);
         self.error =
-            0.5 * problem.error * self.whole.control.iter().map(|c| c.w).fold(0.0, f64::max);
+            DISCARDED * problem.error * self.whole.control.iter().map(|c| c.w).fold(0.0, f64::max);
         self.waiting.clear();
         self.spare.clear();
         self.contacts.clear();

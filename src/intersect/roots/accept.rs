@@ -17,7 +17,7 @@ use super::spot::Spot;
 use super::trim_side::trim_side;
 use crate::geometry::trim::Side;
 use crate::intersect::HitFlags;
-use crate::intersect::exact::{AT_POLE, END, Evidence, STRETCH, Solution};
+use crate::intersect::exact::{AT_CONTACT, AT_POLE, END, Evidence, STRETCH, Solution};
 use crate::intersect::hit::SPARE;
 use crate::math::{RayFrame, rounding};
 use crate::patch::{Jet, Leaf};
@@ -379,7 +379,7 @@ fn on_ray<'a>(
     let allowed = match solution.evidence {
         Evidence::Isolated(_) => error,
         Evidence::Collapsed => AT_POLE * error,
-        Evidence::Contact(_) => 2.0 * error,
+        Evidence::Contact(_) => AT_CONTACT * error,
         Evidence::Stretch(_) => AROUND * error,
     };
     if residual <= allowed {
@@ -424,7 +424,7 @@ fn error_along(evidence: Evidence, error: f64, (z, cosine): (f64, f64)) -> f64 {
         // nearest.
         Evidence::Contact([from, to]) => (z - from).max(to - z).max(0.0) + error,
         // Ends are found to within `END` of the leaf; a stretch is longer than `STRETCH` of it.
-        Evidence::Stretch([from, to]) => 4.0 * error + END / STRETCH * (to - from).abs(),
+        Evidence::Stretch([from, to]) => AROUND * error + END / STRETCH * (to - from).abs(),
     }
 }
 

@@ -4,15 +4,12 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::intersect::crossings::APART;
 use crate::intersect::roots::accept::AROUND;
 use crate::intersect::roots::borders::at_border;
 use crate::intersect::roots::meeting::Meeting;
 use crate::intersect::{Answer, Hit, HitFlags, Root};
 use crate::patch::{Jet, PatchSet, Piece};
-
-/// Two points of a surface count as one place if they are closer than this many times the sum of
-/// their error bounds.
-const SAME_PLACE: f64 = 4.0;
 
 /// The first of some meetings, and whether something doubtful could come before it.
 pub(super) fn answer_of<'m>(
@@ -27,10 +24,10 @@ pub(super) fn answer_of<'m>(
     // at the place of the first meeting is the first itself if it is known as well as that, as the
     // ends of stretches are.
     let before = |first: &Meeting, meeting: &Meeting| {
-        let reach = SAME_PLACE * (first.error + meeting.error);
+        let reach = APART * (first.error + meeting.error);
         let earlier = first.t - (meeting.t - meeting.t_error());
         let is_first = meeting.jet.point.distance(first.jet.point) <= reach
-            && (meeting.stretch.is_some() || earlier <= SAME_PLACE * first.t_error());
+            && (meeting.stretch.is_some() || earlier <= APART * first.t_error());
         !meeting.is_certain() && earlier >= 0.0 && !is_first
     };
     let is_before = |first| reachable.clone().any(|meeting| before(first, meeting));

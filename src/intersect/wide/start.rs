@@ -5,10 +5,11 @@ use fearless_simd_macros::simd;
 use glam::DVec3;
 
 use super::proof::departure::{Departure, Final, MAY_START};
+use super::reach::WIDENED_F32;
 use super::view::Fitted;
 use crate::intersect::Root;
 use crate::math::rounding;
-use crate::patch::{Leaf, TensorPatch, WIDENING};
+use crate::patch::{Leaf, TensorPatch};
 
 /// The line that a ray lies on: a point, and a unit vector in f32. Most rays do not start on the
 /// leaf, and need no copies of them.
@@ -58,9 +59,7 @@ impl Start<'_> {
     /// Whether the ray starts on the one root it has with a leaf that is certified for it.
     #[inline(always)]
     fn is_root_of(&self, leaf: &Leaf) -> bool {
-        // A little less than where the certificate holds, as this is in f32.
-        let reach = 1.0 + 1.99 * WIDENING as f32;
-        self.place_in(leaf).is_some_and(|[x, y]| x.abs() <= reach && y.abs() <= reach)
+        self.place_in(leaf).is_some_and(|[x, y]| x.abs().max(y.abs()) <= WIDENED_F32)
     }
 
     /// Whether the ray starts on a leaf, or near it on its piece, and is proved not to have that

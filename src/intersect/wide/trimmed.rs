@@ -5,11 +5,12 @@ use fearless_simd_macros::simd;
 use glam::DVec2;
 
 use super::hit_place::HitPlace;
+use super::reach::WIDENED;
 use super::vectors::lane_bits;
 use super::view::BvhView;
 use crate::geometry::trim::{self, Side, WINDOW_REACH, WINDOW_SPARE, WindowCurve};
 use crate::intersect::roots::reach::{TRIM_REACH, TRIM_SPARE, trim_reach};
-use crate::patch::{FIT_DOMAIN, Leaf, WIDENING};
+use crate::patch::{FIT_DOMAIN, Leaf};
 
 /// How near a trim edge must be, in either parameter, in units of the error times an upper bound of
 /// how much of the parameter there is to a unit of length, such as the sum of both tangents'
@@ -47,7 +48,7 @@ fn window_keeps(window: &[WindowCurve], leaf: &Leaf, found: &HitPlace) -> Option
 
 /// The window reaches farther than places on a leaf for which anything is proved, but not as far as
 /// what is known of the leaf.
-const _: () = assert!(1.0 + 2.0 * WIDENING + WINDOW_SPARE < WINDOW_REACH);
+const _: () = assert!(WIDENED + WINDOW_SPARE < WINDOW_REACH);
 const _: () = assert!(WINDOW_REACH <= FIT_DOMAIN);
 
 /// What rounding of sixteen places to f32, and of what is computed of them, adds to how far they

@@ -42,17 +42,14 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 
 use super::bounds::{DISTANCE_ROUNDING, LARGEST};
 use crate::geometry::trim::WindowCurve;
-use crate::intersect::wide::reach::WITH_SLACK_F32;
+use crate::intersect::wide::reach::{WIDENED_F32, WITH_SLACK_F32};
 use crate::intersect::wide::search::distances::{LastStep, NearRoots};
 use crate::intersect::wide::trimmed::{EDGE_REACH, Places, kept_in_window};
 use crate::intersect::wide::vectors::lane_bits;
-use crate::patch::{CLEAR_OF_ERROR, Leaf, OrientedBox, SURELY, WIDENING};
+use crate::patch::{CLEAR_OF_ERROR, Leaf, OrientedBox, SURELY};
 
 /// Half the side of the largest square about the root that was found, in box coordinates.
 const MOST_OFF: f32 = 1.0 / 128.0;
-
-/// How far from the middle there is at most one root.
-const DOMAIN: f32 = 1.0 + 1.999 * WIDENING as f32;
 
 /// How far from the middle the surface surely goes on: a little less than the leaf.
 pub(crate) const INSIDE: f32 = 1.0 - 2.0 * f32::EPSILON;
@@ -126,7 +123,7 @@ impl<S: Simd> Screen<'_, S> {
 
         let (x, y) = (to[0].abs(), to[1].abs());
         let (farthest, spare) = (x.max(y), radius + f32x16::splat(simd, 2.0 * f32::EPSILON));
-        let in_domain = (farthest + spare).simd_le(f32x16::splat(simd, DOMAIN));
+        let in_domain = (farthest + spare).simd_le(f32x16::splat(simd, WIDENED_F32));
         let beyond = (farthest - spare).simd_gt(f32x16::splat(simd, WITH_SLACK_F32));
         let within = (farthest + spare).simd_le(f32x16::splat(simd, INSIDE));
         let mut missed = lane_bits(known & in_domain & beyond);
@@ -162,8 +159,10 @@ impl<S: Simd> Screen<'_, S> {
     ) -> [u32; 2] {
         let leaf = self.leaf;
         let lengths = leaf.half_side_lengths();
-        let span =
-            lengths[0] + lengths[1] + 2.0 * leaf.slope_error() + 2.0 * DOMAIN * leaf.fit_bend();
+        let span = lengths[0]
+            + lengths[1]
+            + 2.0 * leaf.slope_error()
+            + 2.0 * WIDENED_F32 * leaf.fit_bend();
         // How near an edge counts, times the length of the half side. A tenth is for rounding.
         let edge = 4.4 * EDGE_REACH as f32 * leaf.stretch() * span;
         let edge = by_inverse * self.error * f32x16::splat(simd, edge);
