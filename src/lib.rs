@@ -18,7 +18,7 @@
 //!
 //! | floor | what it holds |
 //! |---|---|
-//! | [`math`] | numbers only: [`Ray`](math::Ray), boxes, Bernstein polynomials, bounds of rounding errors |
+//! | [`math`] | numbers only: [`Ray`](math::Ray), boxes, Bernstein polynomials, bounds of rounding errors, numbers in words |
 //! | [`geometry`] | surfaces as authored: [`KnotVector`](geometry::KnotVector), [`NurbsSurface`](geometry::NurbsSurface), refinement, exact [`shapes`](geometry::shapes), surfaces made from curves ([`construct`](geometry::construct)), and loops that trim surfaces ([`trim`](geometry::trim)) |
 //! | [`patch`] | everything becomes rational Bézier pieces, and pieces become leaves with proved bounds |
 //! | [`intersect`] | one ray, one answer: [`SurfaceBvh`](intersect::SurfaceBvh) is built once; a [`Tracer`](intersect::Tracer) per thread finds the first [`Hit`](intersect::Hit) of a ray, any hit, or all hits |

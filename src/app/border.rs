@@ -129,7 +129,9 @@ impl Border {
         NurbsCurve::from_homogeneous(along.clone(), points.collect()).ok()
     }
 
-    /// The point that the border is collapsed to, if all its points agree to within rounding.
+    /// The point that the border is collapsed to, if all its points agree to within rounding. (The
+    /// tracer tells collapsed sides by the control points of each piece, which may be twice as far
+    /// apart: a border that is nearly a point may be one for rays, and not here.)
     pub(crate) fn pole(&self, surface: &NurbsSurface) -> Option<DVec3> {
         let [start, end] = self.knots(surface).domain();
         let at =
@@ -164,7 +166,7 @@ impl fmt::Display for Border {
 /// The largest coordinate of a surface's control points, in absolute value.
 pub(crate) fn magnitude(surface: &NurbsSurface) -> f64 {
     let largest = |point: DVec3| point.abs().max_element();
-    surface.control().iter().map(|c| largest(c.truncate() / c.w)).fold(0.0, f64::max)
+    surface.control().iter().map(|c| largest(c.project())).fold(0.0, f64::max)
 }
 
 /// The error bound of a computed point of a surface.

@@ -21,7 +21,8 @@ impl HitFlags {
     /// The hit lies on a trim edge, to within rounding. Sides of loops along the border or the seam
     /// of a surface are only [`BORDER`](Self::BORDER)s.
     pub const TRIM_EDGE: Self = Self(8);
-    /// The ray runs inside the surface; the hit is an end of that stretch.
+    /// The ray runs in the surface itself, as in a plane or along a line of a cylinder, and the hit is
+    /// an end of that stretch. (This says nothing of the inside of a body.)
     pub const INSIDE: Self = Self(16);
 
     /// The names of the bits, the lowest first.

@@ -19,13 +19,13 @@
 //!
 //! # What is computed, why it is certain, how it is made fast
 //!
-//! Beside the public types, each in a file of its own, there are these folders, in reading order:
+//! Beside the files of the public types there are these folders, in reading order:
 //!
 //! | | |
 //! |---|---|
 //! | *what is computed* | |
 //! | `scalar` | the readable specification: the leaves a ray may meet, and its roots on one leaf |
-//! | `roots` | which roots count as hits, and which where surfaces end |
+//! | `roots` | which roots count as hits: at borders, poles, trim edges, and where the ray starts |
 //! | `crossings` | which hits are one crossing |
 //! | `tracer` | which kernel is asked, and what is reported of what it finds |
 //! | *why it is certain* | |
@@ -53,6 +53,16 @@
 //! | `st` | parameters of a Bézier piece, from 0 to 1 (its `t` is not the ray's) |
 //! | `x`, `y` | in a leaf's box, from −1 to 1; of a ray's frame, distances from its two planes |
 //! | `error` | how far off a point may be across the ray; `z_error`, `t_error`: along it |
+//!
+//! A question has several names on its way to a leaf:
+//!
+//! | | |
+//! |---|---|
+//! | [`Query`], [`Shot`] | a ray, perhaps with the root that it leaves; what may be traced as one |
+//! | `OneShot`, `Shots` | one and several, by reference, whichever of both they are |
+//! | `Wanted` | what is asked for: the first hit, any, or all |
+//! | `Question` | a query of one hierarchy, as the scalar search puts it to all leaves |
+//! | `Problem` | what the exact solver is asked of one leaf |
 //!
 //! A place where a ray meets a surface has several names on its way to the caller:
 //!

@@ -2,7 +2,8 @@
 //!
 //! `scalar` asks the scalar search, about rays and about what the fast kernels leave undecided.
 //! These are asked in three ways: one ray at a time (`singles`), in `packets` if rays are coherent,
-//! and in `streams` if they are not, and that pays off. `answer` makes answers of what is met.
+//! and in `streams` if they are not, and that pays off. `answer` makes answers of what is met;
+//! `between` asks about the way between two places on surfaces.
 
 mod answer;
 mod between;

@@ -1,8 +1,10 @@
-//! Numbers: rays, boxes, rounding, Bernstein polynomials. Depends on nothing else of the library.
+//! Numbers: rays, boxes, rounding, Bernstein polynomials; and how messages write them. Depends on
+//! nothing else of the library.
 //!
 //! The promised accuracy comes from here: [`rounding::residual_factor`] is the error bound of a
 //! computed point of a surface, in units of its coordinates. Places count as one, and rays as
-//! touching, within multiples of that; every other number that something is compared with is
+//! touching, within multiples of that: [`intersect`](crate::intersect#errors-and-who-may-spend-them)
+//! gives an account of these. Every other number that something is compared with is
 //! explained where it stands.
 
 mod aabb;

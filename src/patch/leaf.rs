@@ -28,9 +28,9 @@ use crate::math::{prefetch, rounding};
 /// In *box coordinates* from −1 to 1, `x` and `y` follow `s` and `t` from one end of the leaf to
 /// the other. The surface `S = X / W` is approximated, relative to the leaf's middle and in scene
 /// units: its numerators `X` by bicubic polynomials in `x` and `y`, `fit`, and its weight `W`,
-/// which is 1 in the middle, by another one. That is so where the degrees are three at most, and
-/// the weights differ, but not too much (`MOST_WEIGHT`); in other leaves `W` is 1, and `X` is near
-/// `S`. The `WeightFit`s and the leaf's `OrientedBox` are kept elsewhere, beside those of its
+/// which is 1 in the middle, by another one. A leaf has a weight of its own where the degrees are
+/// three at most, and the weights differ, but not too much (`MOST_WEIGHT`). In all other leaves `W`
+/// is 1, and `X` approximates `S` itself. The `WeightFit`s and the leaf's `OrientedBox` are kept elsewhere, beside those of its
 /// neighbours in space.
 ///
 /// The distances of the surface's points from a plane through a ray, `n · (S − o)`, have the roots

@@ -251,7 +251,7 @@ pub(crate) fn control_radius(surfaces: &[Surface]) -> f64 {
         return 0.0;
     }
     let control = charts.iter().flat_map(|chart| chart.surface.control());
-    let (low, high) = extent(control.map(|c| c.truncate() / c.w));
+    let (low, high) = extent(control.map(|c| c.project()));
     (0.5 * (high - low)).length()
 }
 

@@ -43,7 +43,7 @@ pub(super) fn extent_of_parts<'a>(
     parts: impl Iterator<Item = (&'a TensorPatch, [[f64; 2]; 2])>,
 ) -> Aabb {
     let nets: Vec<Net> = parts.map(|(piece, rect)| Net::new(piece, rect)).collect();
-    let controls = nets.iter().flat_map(|net| &net.control).map(|c| c.truncate() / c.w);
+    let controls = nets.iter().flat_map(|net| &net.control).map(|c| c.project());
     let hull = Aabb::around(controls);
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let within = |tolerance: f64| {

@@ -84,7 +84,7 @@ impl NurbsCurve {
 
     /// Whether all control points coincide, to within a few roundings of their coordinates.
     pub fn is_point(&self) -> bool {
-        let close = 16.0 * f64::EPSILON * self.magnitude();
+        let close = SAME_PLACE * self.magnitude();
         (1..self.control().len()).all(|index| self.vertex(index).distance(self.vertex(0)) <= close)
     }
 

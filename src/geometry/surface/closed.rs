@@ -71,7 +71,7 @@ mod tests {
     /// The surface with coordinates rounded to multiples of `step`.
     fn written(surface: &NurbsSurface, step: f64) -> NurbsSurface {
         let rounded = |c: &DVec4| {
-            let point: DVec3 = c.truncate() / c.w;
+            let point: DVec3 = c.project();
             (c.w * (point / step).round() * step).extend(c.w)
         };
         let net = surface.control().iter().map(rounded).collect();

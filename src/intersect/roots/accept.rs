@@ -101,7 +101,8 @@ impl AtTrims {
     }
 }
 
-/// What trims keep of all that a ray aimed at a place at their edge may meet there.
+/// What trims keep around a place at their edge, of all that a ray may meet there that was aimed at
+/// the same point and is off it by rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kept {
     Nothing,

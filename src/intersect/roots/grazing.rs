@@ -68,7 +68,7 @@ impl KnownRoot<'_> {
         let reach = TRIM_REACH * self.along;
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
         for point in piece.patch.control() {
-            let along = self.ray.axis.dot(point.truncate() / point.w - root);
+            let along = self.ray.axis.dot(point.project() - root);
             (least, most) = (least.min(along), most.max(along));
         }
         let spare = TRIM_REACH * self.error;

@@ -77,8 +77,7 @@ pub(super) fn stands_still(spot: &Spot<'_>, error: f64) -> bool {
         let side = RectSide::ends_of(fixed)[corner[fixed] as usize];
         let at = |k: usize| {
             let [i, j] = side.control_point(degree, k);
-            let control = piece.patch.control_point(i, j);
-            control.truncate() / control.w
+            piece.patch.control_point(i, j).project()
         };
         let points: Vec<DVec3> = (0..=degree[side.along()]).map(at).collect();
         let length = points.windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f64>();

@@ -15,7 +15,7 @@ impl Hull {
         let mut net: Vec<DVec4> = piece.patch.control().collect();
         let [s, t] = leaf.rect();
         bernstein::restrict_net(&mut net, piece.patch.degree(), s, t);
-        Self(net.into_iter().map(|c| ray.coordinates(c.truncate() / c.w)).collect())
+        Self(net.into_iter().map(|c| ray.coordinates(c.project())).collect())
     }
 
     /// Whether a plane parallel to the ray and more than `distance` from it is known to have the

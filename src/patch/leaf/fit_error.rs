@@ -341,7 +341,7 @@ fn derivatives([p, q]: [usize; 2], net: &[DVec4], least: f64) -> [f64; 3] {
             }
         }
     }
-    let radius = net.iter().map(|c| (c.truncate() / c.w).length_squared()).fold(0.0, f64::max);
+    let radius = net.iter().map(|c| c.project().length_squared()).fold(0.0, f64::max);
     let radius = radius.sqrt();
     let mut known = [radius, 0.0, 0.0, 0.0];
     for order in 1..=3 {

@@ -1,6 +1,6 @@
 //! A scene ready to trace: surfaces made by `making`, under names of their own, with the camera,
-//! lights and the materials of `look`; those that the scene leaves open are chosen here. All groups
-//! but the plots are used, and none of them knows of a world.
+//! lights and the materials of `look`; those that the scene leaves open are chosen here. The
+//! other modules of the scene do not know of a world.
 
 mod framing;
 mod palette;

@@ -250,12 +250,6 @@ impl Tangents {
     }
 }
 
-/// The sum of the components' absolute values, which is no less than the length.
-#[inline(always)]
-fn sum_of_sizes(v: DVec3) -> f64 {
-    v.x.abs() + v.y.abs() + v.z.abs()
-}
-
 /// Where Newton's iteration has converged.
 struct FoundRoot {
     /// The parameters of the sums.
@@ -306,7 +300,7 @@ fn judge<S: Simd, F: Sums<S>>(
     let clear_of_start = ray.start.from.is_none() || z.abs() > reach;
     let clear = (z - z_min).abs() > reach && (z - z_max).abs() > reach && clear_of_start;
     // Rounding of a parameter must be small compared with the error: with a certificate, it is.
-    let speed = F::SIDE * (sum_of_sizes(*along_x) + sum_of_sizes(*along_y));
+    let speed = F::SIDE * (along_x.abs().element_sum() + along_y.abs().element_sum());
     let fine = COARSEST * speed <= error;
     if !(on_piece && fine) {
         return Outcome::Undecided;
