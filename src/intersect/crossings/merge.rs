@@ -9,8 +9,9 @@ use super::same_place::{Sight, are_apart, are_apart_without_edges, at_one_place,
 use super::sense::{has_no_normal, may_touch, same_sense};
 use super::vertices;
 use crate::intersect::HitFlags;
+use crate::intersect::exact::End;
 use crate::intersect::roots::around::{EdgeEnd, EdgeEnds, Turn};
-use crate::intersect::roots::meeting::{Meeting, TrimCurve};
+use crate::intersect::roots::meeting::{Meeting, Stretch, TrimCurve};
 use crate::patch::Piece;
 
 /// Sorts meetings by `t` and merges those that are one crossing: at the same place, with
@@ -222,14 +223,15 @@ fn doubt_half_touches(meetings: &mut [Meeting], sight: Sight<'_>) {
 
 /// Drops the ends of stretches that lie inside another stretch of the same surface.
 fn join_stretches(meetings: &mut Vec<Meeting>) {
-    let stretches: Vec<(u32, [f64; 2], f64)> =
-        meetings.iter().filter_map(|m| Some((m.surface, m.stretch?, 4.0 * m.t_error()))).collect();
+    let stretches: Vec<(u32, [f64; 2], f64)> = meetings
+        .iter()
+        .filter_map(|m| Some((m.surface, m.stretch?.t, 4.0 * m.t_error())))
+        .collect();
     meetings.retain(|m| {
-        let Some([from, to]) = m.stretch else { return true };
-        let is_start = (m.t - from).abs() <= (m.t - to).abs();
+        let Some(Stretch { t: [from, to], end }) = m.stretch else { return true };
         !stretches.iter().any(|&(surface, [other_from, other_to], error)| {
             let other = surface == m.surface && [other_from, other_to] != [from, to];
-            let continued = if is_start {
+            let continued = if end == End::First {
                 other_from < from - error && from - error <= other_to
             } else {
                 other_to > to + error && other_from <= to + error

@@ -38,5 +38,5 @@ mod parameter_box;
 mod problem;
 mod solver;
 
-pub(super) use problem::{Evidence, Problem, Solution};
+pub(super) use problem::{End, Evidence, Found, Problem, Solution};
 pub(super) use solver::{AT_CONTACT, AT_POLE, END, ExactSolver, STRETCH};

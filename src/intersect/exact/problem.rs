@@ -36,7 +36,18 @@ pub(crate) enum Evidence {
     /// to `z`.
     Contact([f64; 2]),
     /// An end of a stretch along which the ray runs inside the surface, from `z` to `z`.
-    Stretch([f64; 2]),
+    Stretch { z: [f64; 2], end: End },
+}
+
+/// An end of a stretch, as the ray runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum End {
+    First,
+    Last,
+}
+
+impl End {
+    pub(crate) const BOTH: [Self; 2] = [Self::First, Self::Last];
 }
 
 impl Evidence {
@@ -50,7 +61,7 @@ impl Evidence {
     pub(crate) fn open_range(self) -> Option<[f64; 2]> {
         match self {
             Self::Isolated(_) | Self::Collapsed => None,
-            Self::Contact(z) | Self::Stretch(z) => Some(z),
+            Self::Contact(z) | Self::Stretch { z, .. } => Some(z),
         }
     }
 }
@@ -60,4 +71,27 @@ impl Evidence {
 pub(crate) struct Solution {
     pub st: DVec2,
     pub evidence: Evidence,
+}
+
+/// What a search finds on a leaf.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Found {
+    Place(Solution),
+    /// Both ends of a stretch.
+    Stretch([Solution; 2]),
+}
+
+impl Found {
+    /// The place, or the two ends.
+    pub(crate) fn solutions(&self) -> &[Solution] {
+        match self {
+            Self::Place(solution) => std::slice::from_ref(solution),
+            Self::Stretch(ends) => ends,
+        }
+    }
+
+    /// How it is known; of both ends of a stretch, this is alike but for which of them it is.
+    pub(crate) fn evidence(&self) -> Evidence {
+        self.solutions()[0].evidence
+    }
 }

@@ -6,7 +6,7 @@ use glam::{DMat2, DVec2};
 
 use super::contact::{self, Contact};
 use super::parameter_box::{Bounds, Preconditioned, RayNet};
-use super::problem::{Evidence, Problem, Solution};
+use super::problem::{Evidence, Found, Problem, Solution};
 use crate::math::Interval;
 use crate::math::bernstein::restrict_net;
 use crate::patch::{StRect, holds};
@@ -119,8 +119,8 @@ enum Verdict {
 }
 
 impl ExactSolver {
-    /// All places where the ray meets the leaf, appended to `solutions`.
-    pub(crate) fn solve(&mut self, problem: &Problem<'_>, solutions: &mut Vec<Solution>) {
+    /// All places where the ray meets the leaf, appended to `found`.
+    pub(crate) fn solve(&mut self, problem: &Problem<'_>, found: &mut Vec<Found>) {
         self.load(problem);
         let mut used = 0;
         while let Some(rect) = self.waiting.pop() {
@@ -142,7 +142,7 @@ impl ExactSolver {
             }
         }
         self.search_ends(problem);
-        self.report(problem, solutions);
+        self.report(problem, found);
     }
 
     /// Loads the leaf's net in ray coordinates, and one box: all of it.

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::borders::{at_border, on_piece};
 use super::grazing::KnownRoot;
-use super::meeting::{Cover, Meeting, TrimCurve};
+use super::meeting::{Cover, Meeting, Stretch, TrimCurve};
 use super::placed_leaf::PlacedLeaf;
 use super::pole_side::stands_still;
 use super::question::Question;
@@ -126,7 +126,7 @@ impl<'a> Candidate<'a> {
         let flags = match evidence {
             Evidence::Isolated(_) | Evidence::Collapsed => HitFlags::NONE,
             Evidence::Contact(_) => HitFlags::DOUBTFUL,
-            Evidence::Stretch(_) => HitFlags::DOUBTFUL.with(HitFlags::INSIDE),
+            Evidence::Stretch { .. } => HitFlags::DOUBTFUL.with(HitFlags::INSIDE),
         };
         let mut candidate = Self {
             question,
@@ -197,7 +197,7 @@ impl<'a> Candidate<'a> {
                 self.trims = AtTrims::Edge { distance, kept };
             }
             // The ray may run on inside the surface to a part that is kept.
-            Side::Outside if matches!(self.solution.evidence, Evidence::Stretch(_)) => {
+            Side::Outside if matches!(self.solution.evidence, Evidence::Stretch { .. }) => {
                 return Err(Dropped::from(z, ray));
             }
             Side::Outside if question.all_hits => {
@@ -297,7 +297,7 @@ impl<'a> Candidate<'a> {
         });
         let Spot { index, piece, st, jet } = spot;
         let stretch = match self.solution.evidence {
-            Evidence::Stretch(z) => Some(z.map(|z| z * ray.t_from_z)),
+            Evidence::Stretch { z, end } => Some(Stretch { t: z.map(|z| z * ray.t_from_z), end }),
             _ => None,
         };
         Meeting {
@@ -381,7 +381,7 @@ fn on_ray<'a>(
         Evidence::Isolated(_) => error,
         Evidence::Collapsed => AT_POLE * error,
         Evidence::Contact(_) => AT_CONTACT * error,
-        Evidence::Stretch(_) => AROUND * error,
+        Evidence::Stretch { .. } => AROUND * error,
     };
     if residual <= allowed {
         let spot = Spot { index: leaf.piece, piece, st, jet };
@@ -425,7 +425,9 @@ fn error_along(evidence: Evidence, error: f64, (z, cosine): (f64, f64)) -> f64 {
         // nearest.
         Evidence::Contact([from, to]) => (z - from).max(to - z).max(0.0) + error,
         // Ends are found to within `END` of the leaf; a stretch is longer than `STRETCH` of it.
-        Evidence::Stretch([from, to]) => AROUND * error + END / STRETCH * (to - from).abs(),
+        Evidence::Stretch { z: [from, to], .. } => {
+            AROUND * error + END / STRETCH * (to - from).abs()
+        }
     }
 }
 

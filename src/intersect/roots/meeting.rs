@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::reach::{AIMED, rounding_at};
 use crate::intersect::HitFlags;
+use crate::intersect::exact::End;
 use crate::math::RayFrame;
 use crate::patch::{Jet, Piece};
 
@@ -32,8 +33,8 @@ pub(crate) struct Meeting {
     /// The cosine between the ray and the normal, signed; zero where there is no normal, or where
     /// the ray may go either way.
     pub cosine: f64,
-    /// The stretch along which the ray runs inside the surface, as ray parameters.
-    pub stretch: Option<[f64; 2]>,
+    /// The stretch along which the ray runs inside the surface, if the place is an end of one.
+    pub stretch: Option<Stretch>,
     /// Whether the ray passes a side of the piece, or an edge of its trims, on the outside, by more
     /// than the rounding of a ray aimed at it.
     pub beyond: bool,
@@ -43,6 +44,14 @@ pub(crate) struct Meeting {
     pub cover: Cover,
     /// The number of the place where it is met together with other faces, if these must balance.
     pub place: Option<u32>,
+}
+
+/// A stretch along which a ray runs inside a surface, as seen from one of its ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stretch {
+    /// From one ray parameter to another.
+    pub t: [f64; 2],
+    pub end: End,
 }
 
 /// A trim curve that a place is at, to within rounding. One along the border of the domain counts,

@@ -1,6 +1,6 @@
 //! What the search of a ray has found so far.
 
-use crate::intersect::exact::{ExactSolver, Problem, Solution};
+use crate::intersect::exact::{ExactSolver, Found, Problem};
 use crate::intersect::roots::accept::Dropped;
 use crate::intersect::roots::meeting::Meeting;
 use crate::intersect::{Occlusion, Statistics};
@@ -16,7 +16,7 @@ pub(crate) struct Findings {
     /// the next ray.
     pub(super) effort: u64,
     solver: ExactSolver,
-    pub(super) solutions: Vec<Solution>,
+    pub(super) found: Vec<Found>,
 }
 
 impl Default for Findings {
@@ -28,24 +28,24 @@ impl Default for Findings {
             statistics: Statistics::default(),
             effort: 0,
             solver: ExactSolver::default(),
-            solutions: Vec::new(),
+            found: Vec::new(),
         }
     }
 }
 
 impl Findings {
-    /// Solves a problem, and counts the effort. The solutions should be put back when they are no
-    /// longer needed: their memory is used again.
-    pub(super) fn solve(&mut self, problem: &Problem<'_>, cost_of_box: u64) -> Vec<Solution> {
-        let mut solutions = std::mem::take(&mut self.solutions);
-        solutions.clear();
+    /// Solves a problem, and counts the effort. What is found should be put back when it is no longer
+    /// needed: its memory is used again.
+    pub(super) fn solve(&mut self, problem: &Problem<'_>, cost_of_box: u64) -> Vec<Found> {
+        let mut found = std::mem::take(&mut self.found);
+        found.clear();
         let before = self.solver.boxes;
-        self.solver.solve(problem, &mut solutions);
+        self.solver.solve(problem, &mut found);
         let boxes = self.solver.boxes - before;
         self.effort += boxes * cost_of_box;
         self.statistics.exact_calls += 1;
         self.statistics.exact_boxes += boxes;
-        solutions
+        found
     }
 
     /// Forgets what was found, but keeps memory and statistics.

@@ -6,7 +6,7 @@ use super::findings::Findings;
 use super::hull::Hull;
 use super::newton::{CertifiedLeaf, Newton, newton};
 use crate::geometry::RectSide;
-use crate::intersect::exact::{Evidence, Problem, Solution};
+use crate::intersect::exact::{End, Evidence, Found, Problem, Solution};
 use crate::intersect::roots::accept::{AROUND, Dropped, accept};
 use crate::intersect::roots::borders::on_piece;
 use crate::intersect::roots::placed_leaf::PlacedLeaf;
@@ -91,20 +91,20 @@ pub(crate) fn search_exactly(
         return;
     }
     let (problem, holds_all) = pose(placed, ray, z_limit);
-    let mut solutions = findings.solve(&problem, cost_of_box(piece.patch.degree()));
-    let is_proved = |solution: &Solution| solution.evidence.is_proof();
+    let mut found = findings.solve(&problem, cost_of_box(piece.patch.degree()));
+    let is_proved = |found: &Found| found.evidence().is_proof();
     if nearest_z.is_none() {
         // In the slack, weights may vanish and the surface may be anywhere.
-        solutions.retain(is_proved);
+        found.retain(is_proved);
     }
-    let open_z = solutions.iter().filter_map(|solution| open_from(solution.evidence, &problem));
+    let open_z = found.iter().filter_map(|found| open_from(found.evidence(), &problem));
     let open_z = open_z.fold(f64::INFINITY, f64::min);
-    clip_stretches(piece, ray, &mut solutions);
+    clip_stretches(piece, ray, &mut found);
 
-    let (is_met, mut doubt) = accept_all(question, placed, &problem, &solutions, findings);
+    let (is_met, mut doubt) = accept_all(question, placed, &problem, &found, findings);
     if !is_met {
-        if let Some(z) = nearest_z.filter(|_| !holds_all && !solutions.iter().any(is_proved))
-            && (!solutions.is_empty()
+        if let Some(z) = nearest_z.filter(|_| !holds_all && !found.iter().any(is_proved))
+            && (!found.is_empty()
                 || passes_near(&problem, cost_of_box(piece.patch.degree()), findings))
         {
             doubt = doubt.min(z * ray.t_from_z);
@@ -115,22 +115,22 @@ pub(crate) fn search_exactly(
     }
     // No part of the leaf is nearer.
     findings.doubt_at(nearest_z.map_or(doubt, |z| doubt.max(z * ray.t_from_z)));
-    findings.solutions = solutions;
+    findings.found = found;
 }
 
-/// Adds what is met at the solutions of a problem. Returns whether anything is, and the smallest
+/// Adds what is met of all that was found on a leaf. Returns whether anything is, and the smallest
 /// ray parameter at which something may have been missed.
 fn accept_all(
     question: &Question<'_>,
     placed: &PlacedLeaf<'_>,
     problem: &Problem<'_>,
-    solutions: &[Solution],
+    found: &[Found],
     findings: &mut Findings,
 ) -> (bool, f64) {
     let (mut any, mut doubt) = (false, f64::INFINITY);
-    for same in solutions.chunk_by(|a, b| a.evidence == b.evidence) {
+    for found in found {
         let mut is_met = false;
-        for solution in same {
+        for solution in found.solutions() {
             match accept(question, placed, solution, None) {
                 Ok(meeting) => {
                     findings.meetings.push(meeting);
@@ -141,9 +141,9 @@ fn accept_all(
             }
         }
         // Both ends of a stretch may lie outside the ray's range, and the range between them.
-        let evidence = same[0].evidence;
+        let evidence = found.evidence();
         if !is_met
-            && matches!(evidence, Evidence::Stretch(_))
+            && matches!(evidence, Evidence::Stretch { .. })
             && let Some(z) = open_from(evidence, problem)
         {
             doubt = doubt.min(z * question.ray.t_from_z);
@@ -164,7 +164,7 @@ fn passes_near(problem: &Problem<'_>, cost_of_box: u64, findings: &mut Findings)
     let near = Problem { error: 2.0 * AROUND * problem.error, ..*problem };
     let places = findings.solve(&near, cost_of_box);
     let any = !places.is_empty();
-    findings.solutions = places;
+    findings.found = places;
     any
 }
 
@@ -278,22 +278,21 @@ fn open_from(evidence: Evidence, problem: &Problem<'_>) -> Option<f64> {
 }
 
 /// Cuts stretches that reach into the slack beyond the piece down to the part on the piece. A
-/// stretch of which no part is on the piece becomes a contact with the border, somewhere along it.
-fn clip_stretches(piece: &Piece, ray: &RayFrame, solutions: &mut [Solution]) {
-    // The solver reports both ends of a stretch, one after the other.
-    for ends in solutions.chunk_by_mut(|a, b| a.evidence == b.evidence) {
-        let Evidence::Stretch([first, last]) = ends[0].evidence else { continue };
-        for pair in ends.chunks_exact_mut(2) {
-            pair.iter_mut().for_each(|end| end.st = on_piece(piece, ray, end.st));
-            let [from, to] =
-                [0, 1].map(|k| ray.axis.dot(piece.patch.point(pair[k].st) - ray.origin));
-            let evidence = if from < to {
-                Evidence::Stretch([from, to])
+/// stretch of which no part is on the piece becomes contacts with the border, somewhere along it.
+fn clip_stretches(piece: &Piece, ray: &RayFrame, found: &mut [Found]) {
+    for found in found {
+        let Found::Stretch(ends) = found else { continue };
+        let Some([first, last]) = ends[0].evidence.open_range() else { continue };
+        let places = ends.map(|end| on_piece(piece, ray, end.st));
+        let [from, to] = places.map(|st| ray.axis.dot(piece.patch.point(st) - ray.origin));
+        *ends = End::BOTH.map(|end| Solution {
+            st: places[end as usize],
+            evidence: if from < to {
+                Evidence::Stretch { z: [from, to], end }
             } else {
                 Evidence::Contact([to.min(first), from.max(last)])
-            };
-            pair.iter_mut().for_each(|end| end.evidence = evidence);
-        }
+            },
+        });
     }
 }
 

@@ -5,7 +5,7 @@ use glam::{DMat2, DVec2};
 use super::{AT_POLE, END, END_BUDGET, EndBox, ExactSolver, FINEST_SIDE, STRETCH};
 use super::{halves, inner, linearised};
 use crate::intersect::exact::contact::{self, Contact};
-use crate::intersect::exact::problem::{Evidence, Problem, Solution};
+use crate::intersect::exact::problem::{End, Evidence, Found, Problem, Solution};
 use crate::patch::{StRect, holds};
 
 impl ExactSolver {
@@ -94,20 +94,21 @@ impl ExactSolver {
         });
     }
 
-    /// Turns isolated roots and contacts into solutions; a root found in two overlapping
+    /// Turns isolated roots and contacts into what is found; a root found in two overlapping
     /// boxes is reported once, and a contact that holds a proved root is that root.
-    pub(super) fn report(&mut self, problem: &Problem<'_>, solutions: &mut Vec<Solution>) {
-        let first = solutions.len();
+    pub(super) fn report(&mut self, problem: &Problem<'_>, found: &mut Vec<Found>) {
+        let first = found.len();
         for &solution in &self.isolated {
             let Evidence::Isolated(rect) = solution.evidence else { continue };
             // One root found twice lies in both boxes. Of two roots near each other, rounding may
             // put one into the other's box.
-            let known = solutions[first..].iter().any(|other| match other.evidence {
+            let mut others = found[first..].iter().flat_map(Found::solutions);
+            let known = others.any(|other| match other.evidence {
                 Evidence::Isolated(its) => holds(rect, other.st) && holds(its, solution.st),
                 _ => false,
             });
             if !known {
-                solutions.push(solution);
+                found.push(Found::Place(solution));
             }
         }
         let contacts = std::mem::take(&mut self.contacts);
@@ -122,9 +123,11 @@ impl ExactSolver {
                 continue; // the box's only root, seen again from its edge: all of it lies in the box
             }
             if contact.z[1] - contact.z[0] > STRETCH * self.size {
-                let evidence = Evidence::Stretch(contact.z);
-                solutions
-                    .extend(self.ends_of(problem, contact).map(|st| Solution { st, evidence }));
+                let (places, z) = (self.ends_of(problem, contact), contact.z);
+                found.push(Found::Stretch(End::BOTH.map(|end| Solution {
+                    st: places[end as usize],
+                    evidence: Evidence::Stretch { z, end },
+                })));
                 continue;
             }
             let ends = contact.places().map(|x| inner(problem.rect, x));
@@ -135,13 +138,13 @@ impl ExactSolver {
             let pole = side.map(|side| side.beside(middle));
             let pole =
                 pole.filter(|&st| linearised(problem, st).1.length() <= AT_POLE * problem.error);
-            solutions.push(match pole {
+            found.push(Found::Place(match pole {
                 Some(st) => Solution { st, evidence: Evidence::Collapsed },
                 None => Solution {
                     st: settled(problem, middle),
                     evidence: Evidence::Contact(contact.z),
                 },
-            });
+            }));
         }
         self.contacts = contacts;
     }

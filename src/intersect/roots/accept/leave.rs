@@ -65,7 +65,7 @@ impl Candidate<'_> {
                 _ => None,
             },
             Evidence::Collapsed => is_within.then_some(true),
-            Evidence::Contact(_) | Evidence::Stretch(_) => None,
+            Evidence::Contact(_) | Evidence::Stretch { .. } => None,
         }
     }
 
