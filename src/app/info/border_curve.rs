@@ -151,7 +151,15 @@ impl<'a> BorderCurve<'a> {
         self.samples.iter().filter(|sample| sample.kept)
     }
 
-    /// The length of what trims keep of it.
+    /// The length of what trims keep of it: within some 1e-9 of it where the curve is smooth between
+    /// its knots.
+    pub(crate) fn kept_arc_length(&self) -> f64 {
+        let intervals = self.samples.windows(2).map(|pair| [pair[0].t, pair[1].t]);
+        let kept = intervals.flat_map(|interval| self.source.kept_within(interval));
+        kept.map(|range| arc_length(range, |t| self.source.point(t))).sum()
+    }
+
+    /// The length of what trims keep of it, by the polyline through its samples.
     pub(crate) fn kept_length(&self) -> f64 {
         self.kept().map(|sample| sample.length).sum()
     }
@@ -259,6 +267,18 @@ fn divided([start, end]: [f64; 2], parts: usize) -> impl Iterator<Item = f64> {
     (0..parts).map(move |k| start + (end - start) * k as f64 / parts as f64)
 }
 
+/// The length of a short, smooth part of a curve: from chords over all of it, over halves and over
+/// quarters, which are too short by even powers of the steps (Richardson's extrapolation, twice).
+fn arc_length([from, to]: [f64; 2], point: impl Fn(f64) -> DVec3) -> f64 {
+    let points = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| point(from + share * (to - from)));
+    let chords = |step: usize| -> f64 {
+        (step..points.len()).step_by(step).map(|k| points[k].distance(points[k - step])).sum()
+    };
+    let [whole, halves, quarters] = [4, 2, 1].map(chords);
+    let [coarse, fine] = [[whole, halves], [halves, quarters]].map(|[a, b]| b + (b - a) / 3.0);
+    fine + (fine - coarse) / 15.0
+}
+
 /// The turn of a trim edge, in radians, above which it has a corner: 12°, as in
 /// [`SIDE_BY_SIDE`](super::neighbours::SIDE_BY_SIDE).
 const CORNER: f64 = 0.21;
@@ -282,7 +302,11 @@ fn to_segment(point: DVec3, [a, b]: [DVec3; 2]) -> (DVec3, f64) {
 
 #[cfg(test)]
 mod tests {
-    use nurbray::geometry::{KnotVector, NurbsCurve, shapes};
+    use std::f64::consts::TAU;
+
+    use glam::DVec2;
+    use nurbray::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
+    use nurbray::geometry::{Charts, Direction, KnotVector, NurbsCurve, shapes};
 
     use super::*;
 
@@ -293,7 +317,7 @@ mod tests {
         let rim = Border::all(&cylinder)
             .into_iter()
             .filter_map(|border| BorderCurve::new(&whole, border))
-            .find(|curve| (curve.length() - std::f64::consts::TAU).abs() < 0.05)
+            .find(|curve| (curve.length() - TAU).abs() < 0.05)
             .unwrap();
         let z = rim.samples()[0].point.z;
         for k in 0..50 {
@@ -305,6 +329,38 @@ mod tests {
                 assert!((distance - offset).abs() < 1e-15, "{k}: {distance} for {offset}");
             }
             assert!(rim.nearest(DVec3::new(0.9 * cos, 0.9 * sin, z), 0.01).is_none());
+        }
+    }
+
+    /// A rim that trims leave whole, in one piece or in two. It is parametrised by four quarters of
+    /// rational quadratics, so that these parts are arcs of no round angles: `angle` gives them.
+    #[test]
+    fn lengths_are_those_of_the_curves() {
+        let cylinder = shapes::cylinder(1.0, 2.0).unwrap();
+        let [from, to] = cylinder.knots(Direction::U).domain();
+        let at = |share: f64| from + share * (to - from);
+        let angle = |share: f64| {
+            let point = cylinder.point_at(DVec2::new(at(share), 0.0));
+            point.y.atan2(point.x).rem_euclid(TAU)
+        };
+        for parts in [&[[0.0, 0.5]][..], &[[0.1, 0.2]], &[[0.05, 0.3], [0.7, 0.71]]] {
+            let corners = |&[a, b]: &[f64; 2]| {
+                [(a, -1.0), (b, -1.0), (b, 0.5), (a, 0.5)].map(|(u, v)| DVec2::new(at(u), v))
+            };
+            let polygon = |part| TrimLoop::polygon(&corners(part)).unwrap();
+            let loops: Vec<TrimLoop> = parts.iter().map(polygon).collect();
+            let trims = Trims::new(TrimDomain::of(&cylinder).unwrap(), Kept::Odd, &loops).unwrap();
+            let trimmed = TrimmedSurface::new(cylinder.clone(), trims).unwrap();
+            let chart = &trimmed.charts()[0];
+            let border = Border::all(&chart.surface).into_iter().find(|border| {
+                border
+                    .point(&cylinder, at(0.3))
+                    .distance(cylinder.point_at(DVec2::new(at(0.3), 0.0)))
+                    < 1e-12
+            });
+            let found = BorderCurve::new(chart, border.unwrap()).unwrap().kept_arc_length();
+            let expected: f64 = parts.iter().map(|&[a, b]| angle(b) - angle(a)).sum();
+            assert!((found - expected).abs() < 1e-9, "{parts:?}: {found}, not {expected}");
         }
     }
 

@@ -90,7 +90,7 @@ pub(crate) fn fit(surfaces: &[Surface], drawings: &[Option<[usize; 2]>], sizes: 
         .filter(alone)
         .map(|k| {
             let (edge, curve) = &edges.curves[k];
-            FreeBorder { edge: *edge, length: curve.kept_length(), at: curve.kept_middle() }
+            FreeBorder { edge: *edge, length: curve.kept_arc_length(), at: curve.kept_middle() }
         })
         .collect();
     free.sort_by(|a, b| b.length.total_cmp(&a.length)); // stable

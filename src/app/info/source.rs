@@ -66,6 +66,13 @@ impl Source<'_> {
         (at.point, at.first)
     }
 
+    /// The part of a range of its parameter where the surface ends there, in order.
+    pub(super) fn kept_within(&self, [from, to]: [f64; 2]) -> Vec<[f64; 2]> {
+        let Self::Border { kept, .. } = self else { return vec![[from, to]] };
+        let within = kept.iter().map(|&[start, end]| [start.max(from), end.min(to)]);
+        within.filter(|[start, end]| start < end).collect()
+    }
+
     /// Whether the surface ends at this curve's point at `t`.
     pub(super) fn keeps(&self, t: f64) -> bool {
         let Self::Border { kept, .. } = self else { return true };
