@@ -131,8 +131,9 @@
 //! degree = [2, 1]                        # or one number for both; the order less 1
 //! knots_u = [0, 0, 0, 1, 1, 1]           # each knot; or [knot, times]: [[0, 3], [1, 3]]
 //! knots_v = [[0, 2], [1, 2]]             # clamped and uniform on [0, 1] if not given; or a
-//!                                        # name: "clamped", "uniform", or "periodic" (closed:
-//!                                        # each point is written once)
+//!                                        # name: "clamped", "standard" (0, 1, 2, … inside),
+//!                                        # "uniform", or "periodic" (closed: each point is
+//!                                        # written once; knots of its own: { periodic = […] })
 //! points = [
 //!     [[0, 0, 0], [0, 1, 0]],
 //!     [[1, 0, 1], [1, 1, 1]],

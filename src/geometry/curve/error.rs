@@ -194,7 +194,7 @@ pub enum CurveError {
     /// No quarter circle of degree 4 has the weight `w₁` asked for.
     #[error(
         "w1 is {}: solution {solution} needs a weight above {}{}, up to {MAX_MAGNITUDE:e}",
-        Shown(*.w1), Measured(*.above),
+        Shown(*.w1), Shown(*.above),
         if *.above > 0.0 { " (√2/8, below which the arc leaves its quadrant)" } else { "" }
     )]
     QuarticWeight {
@@ -208,7 +208,7 @@ pub enum CurveError {
     /// Weights or constants do not make a circle.
     #[error(
         "{what} is {}: a circle needs {needed} to within {tolerance:.1e}",
-        Measured(*.found)
+        Shown(*.found)
     )]
     NotRound {
         /// The expression whose value is wrong.

@@ -4,11 +4,11 @@ use glam::DVec3;
 
 use super::matrix_form::check_count;
 use super::{CurveError, NurbsCurve};
-use crate::geometry::KnotVector;
+use crate::geometry::{KnotVector, MAX_DEGREE};
 
-/// How often an end point may occur: a cubic meets one that occurs three times, and stands still
-/// there for a whole span if it occurs four times; more changes nothing.
-pub const MAX_REPEATED: usize = 4;
+/// How often an end point may occur. A curve of degree p meets one that occurs p times, and stands
+/// still there for a whole span if it occurs p + 1 times; more changes nothing.
+pub const MAX_REPEATED: usize = MAX_DEGREE + 1;
 
 impl NurbsCurve {
     /// The B-spline over the knots 0, 1, 2, …: it does not reach its outermost control points.
@@ -102,9 +102,18 @@ mod tests {
         let curve = NurbsCurve::uniform_bspline(3, &all).unwrap();
         assert!((0..=10).all(|k| curve.point_at(3.0 + f64::from(k) / 10.0).distance(p[0]) < 1e-12));
         assert_eq!(
-            with_repeated_ends(&p, [5, 1]).unwrap_err().to_string(),
-            "an end point 5 times: from 1 to 4 times are possible"
+            with_repeated_ends(&p, [34, 1]).unwrap_err().to_string(),
+            "an end point 34 times: from 1 to 33 times are possible"
         );
+        // Any degree: p times.
+        for degree in 1..=6 {
+            let meets = |times: usize| {
+                let all = with_repeated_ends(&p, [times, 1]).unwrap();
+                let curve = NurbsCurve::uniform_bspline(degree, &all).unwrap();
+                curve.ends()[0].distance(p[0]) < 1e-12
+            };
+            assert!(meets(degree) && (degree == 1 || !meets(degree - 1)), "{degree}");
+        }
     }
 
     /// A standard cubic meets its outermost points; a uniform cubic keeps its shape when it is

@@ -323,7 +323,7 @@ mod tests {
         );
         assert_eq!(
             QuarticConstants::solved(QuarticArc::First, 0.125).unwrap_err().to_string(),
-            "w1 is 0.125: solution 1 needs a weight above 0.176777 (√2/8, below which the arc \
+            "w1 is 0.125: solution 1 needs a weight above 0.1767766952966369 (√2/8, below which the arc \
              leaves its quadrant), up to 1e70"
         );
         assert!(QuarticConstants::solved(QuarticArc::First, FIRST_ABOVE).is_err());

@@ -56,7 +56,7 @@ pub enum ShapeError {
          degree 8 that must be 0, the coefficient at ({}, {}, {}) is {} of its terms, more than \
          {:.1e}; Farin's (1990) are a = {}, b = {}",
         list(.a), list(.b), .exponents[0], .exponents[1], .exponents[2], Measured(*.residual), .tolerance,
-        all_digits(OctantConstants::farin().a()), all_digits(OctantConstants::farin().b())
+        list(&OctantConstants::farin().a()), list(&OctantConstants::farin().b())
     )]
     Octant {
         /// `a₀, a₁, a₂`.
@@ -85,15 +85,9 @@ pub enum ShapeError {
     },
 }
 
-/// Numbers as a message shows them.
+/// Numbers with all their digits, to be found in a file or copied from a message.
 fn list(numbers: &[f64]) -> String {
-    let numbers: Vec<String> = numbers.iter().map(|&x| Measured(x).to_string()).collect();
-    format!("[{}]", numbers.join(", "))
-}
-
-/// Numbers with all their digits, to be copied from a message.
-fn all_digits<const N: usize>(numbers: [f64; N]) -> String {
-    let numbers = numbers.map(|x| Shown(x).to_string());
+    let numbers: Vec<String> = numbers.iter().map(|&x| Shown(x).to_string()).collect();
     format!("[{}]", numbers.join(", "))
 }
 

@@ -202,8 +202,8 @@ mod tests {
         let message = |a, b| OctantConstants::new(a, b).unwrap_err().to_string();
         assert_eq!(
             message([0.4, farin.a[1], farin.a[2]], farin.b),
-            "the constants a = [0.4, 0.788675, 0.589353], b = [5.0718, 4.24264, 4, 3.34468] make no \
-             sphere: of x² + y² + z² - w², a polynomial of degree 8 that must be 0, the coefficient \
+            "the constants a = [0.4, 0.7886751345948129, 0.5893534615581059], \
+             b = [5.0717967697244895, 4.242640687119286, 4, 3.3446772571685868] make no sphere: of x² + y² + z² - w², a polynomial of degree 8 that must be 0, the coefficient \
              at (0, 4, 4) is -0.0109595 of its terms, more than 1.4e-14; Farin's (1990) are \
              a = [0.4226497308103742, 0.7886751345948129, 0.5893534615581059], \
              b = [5.0717967697244895, 4.242640687119286, 4, 3.3446772571685868]"

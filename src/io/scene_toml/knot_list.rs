@@ -17,7 +17,7 @@ pub(super) struct KnotList(pub(super) Knots);
 
 /// The ways to write knots, for messages.
 const KINDS: &str =
-    "a list of knots, \"clamped\", \"uniform\", \"periodic\" or { periodic = [...] }";
+    "a list of knots, \"clamped\", \"standard\", \"uniform\", \"periodic\" or { periodic = [...] }";
 
 impl<'de> Deserialize<'de> for KnotList {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -37,6 +37,7 @@ impl<'de> Visitor<'de> for Visit {
     fn visit_str<E: Error>(self, name: &str) -> Result<KnotList, E> {
         match name {
             "clamped" => Ok(KnotList(Knots::ClampedUniform)),
+            "standard" => Ok(KnotList(Knots::Standard)),
             "uniform" => Ok(KnotList(Knots::Uniform)),
             "periodic" => Ok(KnotList(Knots::PeriodicUniform)),
             _ => Err(E::custom(format!("found \"{}\", needed {KINDS}", name.escape_debug()))),

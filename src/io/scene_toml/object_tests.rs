@@ -62,7 +62,7 @@ fn what_cannot_be_made_from_curves_is_told() {
         ),
         (
             "quarter_circle_4 = { solution = 1, w1 = 0.1 }",
-            "4:11: surface \"cup\": profile: w1 is 0.1: solution 1 needs a weight above 0.176777 \
+            "4:11: surface \"cup\": profile: w1 is 0.1: solution 1 needs a weight above 0.1767766952966369 \
              (√2/8, below which the arc leaves its quadrant), up to 1e70",
         ),
         (
@@ -196,6 +196,10 @@ fn knots_by_name() {
         [0.0, 1.0, 2.0, 3.0]
     );
     assert_eq!(tube("knots_u = 'clamped'", &once, weights), tube("", &once, weights));
+    assert_eq!(
+        tube("knots_u = 'standard'", &again, twice).knots_u().values(),
+        [0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 3.0, 3.0]
+    );
 
     let curve = |curve: &str| {
         format!("[[object]]\nshape = {{ tube = {{ curve = {{ {curve} }}, radius = 0.1 }} }}")
@@ -249,7 +253,7 @@ fn knots_by_name() {
     for (knots, message) in [
         (
             "'open'",
-            "2:105: found \"open\", needed a list of knots, \"clamped\", \"uniform\", \"periodic\" or { periodic = [...] }",
+            "2:105: found \"open\", needed a list of knots, \"clamped\", \"standard\", \"uniform\", \"periodic\" or { periodic = [...] }",
         ),
         (
             "{ periodic = [0, 1, 2] }",
@@ -258,7 +262,7 @@ fn knots_by_name() {
         ("{ period = [0, 1, 2] }", "2:107: unknown key \"period\"; did you mean \"periodic\"?"),
         (
             "3",
-            "2:105: found integer 3, needed a list of knots, \"clamped\", \"uniform\", \"periodic\" or { periodic = [...] }",
+            "2:105: found integer 3, needed a list of knots, \"clamped\", \"standard\", \"uniform\", \"periodic\" or { periodic = [...] }",
         ),
     ] {
         let text = curve(&format!("nurbs = {{ {points}, knots = {knots} }}"));

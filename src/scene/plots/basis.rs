@@ -177,6 +177,7 @@ impl BasisSpec {
     fn listed(&self) -> Option<usize> {
         match &self.knots.value {
             Knots::ClampedUniform
+            | Knots::Standard
             | Knots::Uniform
             | Knots::PeriodicUniform
             | Knots::Periodic(_) => None,
@@ -209,6 +210,8 @@ impl BasisSpec {
                 (0..=count).map(|index| index as f64 / count as f64).collect()
             }
             Knots::ClampedUniform => KnotVector::clamped_uniform(degree, count)?.values().to_vec(),
+            Knots::Standard if degree == 0 => (0..=count).map(|index| index as f64).collect(),
+            Knots::Standard => KnotVector::standard(degree, count)?.values().to_vec(),
             Knots::Uniform => (0..=count + degree).map(|index| index as f64).collect(),
             Knots::PeriodicUniform => periodic_values(degree, &evenly_spaced(count))?,
             Knots::Periodic(period) if period.len() != count + 1 => {

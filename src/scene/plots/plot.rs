@@ -7,8 +7,8 @@ use super::{PlottedBasis, PlottedCurve, PlottedSurface};
 use crate::geometry::{CornerCutting, CurveError, NurbsCurve, PolygonEnds};
 use crate::scene::errors::{PlotError, SceneError, SceneFault};
 use crate::scene::written::{
-    CurveEntry, CurveKind, CurveSpec, MAX_FUNCTIONS, MAX_LINES, MAX_ROUNDS, MAX_TEETH, Place,
-    Plane, PlotKind, PlotSpec, Scene, Written,
+    CurveEntry, CurveFault, CurveKind, CurveSpec, MAX_FUNCTIONS, MAX_LINES, MAX_ROUNDS, MAX_TEETH,
+    Place, Plane, PlotKind, PlotSpec, Scene, Written,
 };
 
 /// A plot whose numbers have been checked.
@@ -49,7 +49,17 @@ impl PlotSpec {
             None => number.to_string(),
         };
         let show = Checker { name, spec: self, scene }.kind()?;
-        Ok(Plot { title: self.title.clone(), plane: self.plane, show })
+        let title = self.title.clone().or_else(|| self.title_by_object());
+        Ok(Plot { title, plane: self.plane, show })
+    }
+
+    /// What a plot of an object's surfaces is called if it has no title.
+    fn title_by_object(&self) -> Option<String> {
+        match &self.show {
+            PlotKind::Trims(of) => Some(format!("Trims of {of}")),
+            PlotKind::Surfaces { of, .. } => Some(format!("{of} in space")),
+            _ => None,
+        }
     }
 }
 
@@ -204,7 +214,16 @@ impl Checker<'_> {
             _ => false,
         };
         if !zero {
-            return spec.plotted_curve().map_err(|fault| blame(&self.name, which, fault));
+            return spec.plotted_curve().map_err(|fault| {
+                let fault = match fault {
+                    // Here a weight may be zero, and the message says so.
+                    CurveFault::Curve(place, CurveError::Weight { index, weight }) => {
+                        CurveFault::Curve(place, CurveError::BasisWeight { index, weight })
+                    }
+                    fault => fault,
+                };
+                blame(&self.name, which, fault)
+            });
         }
         let (basis, points) = spec.weighted().map_err(|fault| blame(&self.name, which, fault))?;
         Ok(PlottedCurve::Weighted { basis, points })

@@ -1,5 +1,7 @@
 //! Surfaces to plot: in space as lines, or their trims in (u, v).
 
+use std::fmt;
+
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use crate::geometry::{CurveError, NurbsCurve, Surface};
@@ -74,6 +76,14 @@ impl PlottedSurface {
             }
         }
         Ok(Self { surface, loops })
+    }
+}
+
+/// The object, and which of its surfaces.
+impl fmt::Display for ObjectSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.of.value)?;
+        self.surface.as_ref().map_or(Ok(()), |surface| write!(f, ", surface {}", surface.value))
     }
 }
 

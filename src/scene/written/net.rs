@@ -13,6 +13,8 @@ pub enum Knots {
     /// Clamped and evenly spaced on `[0, 1]`: what is meant when none are given.
     #[default]
     ClampedUniform,
+    /// Clamped, `0, 1, 2, …` inside: the textbooks' standard knots.
+    Standard,
     /// Every knot, equal ones repeated.
     Values(Vec<f64>),
     /// Each knot once, with its multiplicity.
@@ -223,6 +225,7 @@ pub(in crate::scene) fn knot_vector(
 ) -> Result<KnotVector, KnotError> {
     match knots {
         Knots::ClampedUniform => KnotVector::clamped_uniform(degree, points),
+        Knots::Standard => KnotVector::standard(degree, points),
         Knots::Values(values) => KnotVector::for_points(degree, values.clone(), points),
         Knots::Multiplicities(pairs) => {
             let knots = KnotVector::with_multiplicities(degree, pairs)?;
