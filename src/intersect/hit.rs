@@ -81,12 +81,12 @@ impl Root {
     /// [`Query::leaving`](super::Query::leaving)), and the point is off by once that.
     pub(super) const START_OFF: f64 = 3.0;
 
-    /// The root, which has a normal, for a ray that starts beside its point and meets the surface
-    /// with this cosine: if it is flatter than the ray that found the root, the root may be farther
-    /// off along it.
-    pub(super) fn seen_from_beside(&self, cosine: f64) -> Self {
+    /// The root, which has a normal, for a ray that meets the surface with this cosine and starts as
+    /// far across it from the true root, at most, as so many times the root's error there. If the ray
+    /// is flatter than the one that found the root, the root may be farther off along it.
+    pub(super) fn seen_along(&self, cosine: f64, times: f64) -> Self {
         let across = self.across();
-        let error = self.error.max((Self::START_OFF * across / cosine.abs()).min(f64::MAX));
+        let error = self.error.max((times * across / cosine.abs()).min(f64::MAX));
         Self::new(self.set, self.piece, self.st, error, across / error)
     }
 

@@ -24,7 +24,9 @@ impl Query {
 
     /// A ray that leaves a hit: the hit itself is not met again.
     ///
-    /// The ray should start at [`Hit::point`], or as near as `o + t d` comes to it. A ray that
+    /// The ray should start at [`Hit::point`]. It may start where `o + t d` was rounded to, but if the
+    /// ray that found the hit came from afar, that place is off the surface by as much as the ray's own
+    /// rounding, and a flat ray from there may miss what one from the point would meet. A ray that
     /// starts elsewhere, for instance because its origin was moved along the normal to be on the
     /// safe side, does not leave the hit: it is traced like any other ray, and
     /// [`start_root`](Self::start_root) is `None`. The hit must be unchanged: only its point and
@@ -44,7 +46,8 @@ impl Query {
     /// a gap, is met, or in doubt if it is no farther off than rounding.
     ///
     /// From a hit on an edge that two surfaces share, to within some roundings, the ray leaves both if
-    /// it goes through both in the same sense, in or out. Where they are turned opposite ways, the answer is
+    /// it goes through both in the same sense, in or out. A ray that leaves a surface so flatly that it
+    /// passes such an edge within rounding, if far away, is in doubt there. Where they are turned opposite ways, the answer is
     /// in doubt; where such surfaces share only a vertex, the ray may pass the other one.
     ///
     /// Where two surfaces coincide, as those of two solids that are cemented together, a ray that
@@ -56,19 +59,23 @@ impl Query {
     /// one of both faces only, or both in the same sense, in or out. One of these hits is flagged
     /// [`TRIM_EDGE`](super::HitFlags::TRIM_EDGE).
     pub fn leaving(ray: Ray, hit: &Hit) -> Self {
-        // Most start there exactly.
-        if ray.origin() == hit.point {
-            return Self { ray, from: Some(hit.root) };
-        }
-        let moved = ray.origin() - hit.point;
         let has_normal = !hit.normal.is_nan();
-        let across = if has_normal { moved.dot(hit.normal).abs() } else { moved.length() };
-        let is_off_surface = across > SPARE * hit.root.across();
-        let starts_there = moved.length() <= SPARE * hit.root.error && !is_off_surface;
+        // Most start there exactly: off the true root as the point is.
+        let is_there = ray.origin() == hit.point;
+        if !is_there {
+            let moved = ray.origin() - hit.point;
+            let across = if has_normal { moved.dot(hit.normal).abs() } else { moved.length() };
+            let is_off_surface = across > SPARE * hit.root.across();
+            let starts_there = moved.length() <= SPARE * hit.root.error && !is_off_surface;
+            if !starts_there {
+                return Self { ray, from: None };
+            }
+        }
         let direction = ray.direction() / ray.direction().abs().max_element();
         let cosine = hit.normal.dot(direction) / direction.length();
-        let root = if has_normal { hit.root.seen_from_beside(cosine) } else { hit.root };
-        Self { ray, from: starts_there.then_some(root) }
+        let times = if is_there { 1.0 } else { Root::START_OFF };
+        let root = if has_normal { hit.root.seen_along(cosine, times) } else { hit.root };
+        Self { ray, from: Some(root) }
     }
 
     /// The ray.

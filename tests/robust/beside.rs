@@ -21,11 +21,108 @@ fn room() -> SurfaceBvh {
     SurfaceBvh::build(&[walls, floor, ceiling]).unwrap()
 }
 
+/// The same body, each of its six faces a surface.
+fn cube() -> SurfaceBvh {
+    let face = |normal: DVec3| {
+        let (u, v) = normal.any_orthonormal_pair();
+        let turn = DMat3::from_cols(u, v, normal);
+        let plane = shapes::plane(2.0, 2.0).unwrap();
+        plane.transformed(&DAffine3::from_mat3_translation(turn, normal)).unwrap()
+    };
+    let normals = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| [axis, -axis]);
+    let faces: Vec<NurbsSurface> = normals.concat().into_iter().map(face).collect();
+    SurfaceBvh::build(&faces).unwrap()
+}
+
 /// A rectangle over a line between two places in the plane y = 0, from there to y = 1.
 fn flat(from: (f64, f64), to: (f64, f64)) -> NurbsSurface {
     let knots = || KnotVector::bezier(1).unwrap();
     let net = [from, to].map(|(x, z)| [0.0, 1.0].map(|y| DVec3::new(x, y, z))).concat();
     NurbsSurface::new(knots(), knots(), net, None).unwrap()
+}
+
+/// A ray that leaves a face outwards, so flatly that it passes the edge far away within rounding of
+/// the next face, is not said to meet that, unless in doubt. If it passes by more than that, it is
+/// not in doubt.
+#[test]
+fn flat_rays_out_of_a_convex_body_do_not_meet_the_next_face() {
+    for (name, bvh) in [("cube", cube()), ("room", room())] {
+        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            let mut tracer = bvh.tracer_with(kernel);
+            let mut random = Random::new(72);
+            let (mut near, mut in_doubt, mut clear) = (0, 0, 0);
+            for k in 0..20_000 {
+                // The distance from the edge y = 1, and by how much that is passed.
+                let beside = random.power_of_ten(-14.0, -5.0);
+                let passed = random.power_of_ten(-18.0, -11.0);
+                let height = random.between(-0.8, 0.8);
+                let way = DVec3::new(passed / beside, 1.0, random.between(-0.3, 0.3));
+                let target = DVec3::new(1.0, 1.0 - beside, height);
+                let finder = match k % 2 {
+                    0 => Ray::new(target + 2.0 * DVec3::X, -DVec3::X),
+                    _ => Ray::new(target - 0.5 * way, way),
+                };
+                let found = tracer.first_hit(&finder.unwrap());
+                let Some(hit) = found.hit.filter(|hit| !found.doubtful && hit.point.x == 1.0)
+                else {
+                    continue;
+                };
+                let query = Query::leaving(Ray::new(hit.point, way).unwrap(), &hit);
+                let first = tracer.first_hit(&query);
+                let any = tracer.occluded(&query);
+                let what = format!("{name}, {kernel}: {beside:e} and {passed:e} {query:?}");
+                assert!(first.doubtful || first.hit.is_none(), "{what}: {first:?}");
+                assert!(any.doubtful || !any.occluded, "{what}: {any:?}");
+                let doubtful = u32::from(first.doubtful);
+                if passed < 1e-15 {
+                    (near, in_doubt) = (near + 1, in_doubt + doubtful);
+                } else if passed > 1e-13 && k % 2 == 0 {
+                    assert!(!first.doubtful, "{what}: {first:?}");
+                    clear += 1;
+                }
+            }
+            println!("{name}, {kernel}: {in_doubt} of {near} in doubt, {clear} clear");
+            assert!(near > 4000 && clear > 1000, "{near} {clear}");
+        }
+    }
+}
+
+/// A steep ray that passes a knot line, or a seam, by a few errors meets the surface on one side of
+/// it, and does not meet the piece on the other side: neither is in doubt, nor is a ray that goes on
+/// from there.
+#[test]
+fn no_steep_ray_beside_a_knot_line_is_in_doubt() {
+    let plane = shapes::plane(8.0, 8.0).unwrap().insert_knot_v(0.5, 1).unwrap();
+    let lifted = DAffine3::from_translation(0.9 * DVec3::Z);
+    // With the distance of the rays from the z axis.
+    let surfaces = [
+        ("sphere", shapes::sphere(1.0).unwrap(), 0.0),
+        ("biquadratic sphere", shapes::sphere_biquadratic(1.0).unwrap(), 0.0),
+        ("torus", shapes::torus(2.0, 0.5).unwrap(), 1.5),
+        ("plane", plane.transformed(&lifted).unwrap(), 0.0),
+    ];
+    for (name, surface, aside) in surfaces {
+        let bvh = SurfaceBvh::build(&[surface]).unwrap();
+        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            let mut tracer = bvh.tracer_with(kernel);
+            let (mut random, mut hits) = (Random::new(73), Vec::new());
+            for _ in 0..4000 {
+                let y = random.sign() * random.power_of_ten(-16.0, -12.5);
+                let from = DVec3::new(aside + random.between(0.2, 0.8), y, 5.0);
+                let ray = Ray::new(from, DVec3::NEG_Z).unwrap();
+                let what = format!("{name}, {kernel}: {y:e} {ray:?}");
+                let found = tracer.first_hit(&ray);
+                assert!(!found.doubtful, "{what}: {found:?}");
+                assert!(!tracer.all_hits(&ray, &mut hits), "{what}: {hits:?}");
+                let hit = found.hit.unwrap();
+                let way = DVec3::new(random.between(-0.5, 0.5), 0.0, -1.0);
+                let onward = Query::leaving(Ray::new(hit.point, way).unwrap(), &hit);
+                let first = tracer.first_hit(&onward);
+                assert!(!first.doubtful, "{what}: {onward:?} {first:?}");
+                assert!(!tracer.all_hits(&onward, &mut hits), "{what}: {onward:?} {hits:?}");
+            }
+        }
+    }
 }
 
 /// Beside a crease, nearer than rounding moved the hit along a grazing ray that found it, a ray may

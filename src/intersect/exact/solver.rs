@@ -108,7 +108,7 @@ struct EndBox {
 }
 
 /// What becomes of a box.
-enum Verdict {
+enum BoxVerdict {
     Empty,
     Root(DVec2),
     Contact([f64; 2]),
@@ -127,15 +127,15 @@ impl ExactSolver {
             used += 1;
             self.boxes += 1;
             match self.judge(problem, rect) {
-                Verdict::Empty => {}
-                Verdict::Root(st) => self.isolated.push(self.root(problem, rect, st)),
-                Verdict::Contact(z) => {
+                BoxVerdict::Empty => {}
+                BoxVerdict::Root(st) => self.isolated.push(self.root(problem, rect, st)),
+                BoxVerdict::Contact(z) => {
                     let contact = Contact::new(rect, z, self.at_collapsed_side(problem, rect));
                     contact::merge_into(&mut self.contacts, contact);
                 }
-                Verdict::Inside => self.spare.push(rect),
-                Verdict::Shrunk(part) => self.waiting.push(part),
-                Verdict::Halved(axis) => self.waiting.extend(halves(rect, axis, OVERLAP)),
+                BoxVerdict::Inside => self.spare.push(rect),
+                BoxVerdict::Shrunk(part) => self.waiting.push(part),
+                BoxVerdict::Halved(axis) => self.waiting.extend(halves(rect, axis, OVERLAP)),
             }
             if used >= BUDGET {
                 self.spare.append(&mut self.waiting);
@@ -175,12 +175,12 @@ impl ExactSolver {
 
     /// What becomes of a box: of the questions of the [module](super), the first is asked of `f`,
     /// then the fourth, the first of `g`, the second and the third.
-    fn judge(&mut self, problem: &Problem<'_>, rect: StRect) -> Verdict {
+    fn judge(&mut self, problem: &Problem<'_>, rect: StRect) -> BoxVerdict {
         let error = self.error;
         self.net.restrict_from(&self.whole, rect);
         let bounds = self.net.bounds();
         if self.is_empty(problem, rect, &bounds) {
-            return Verdict::Empty;
+            return BoxVerdict::Empty;
         }
         let exhausted = rect.map(|[from, to]| to - from <= FINEST_SIDE);
         let within_rounding = bounds.x.magnitude().max(bounds.y.magnitude()) <= 2.0 * error;
@@ -200,11 +200,11 @@ impl ExactSolver {
         self.preconditioned.assign(&self.net, inverse);
         let ranges = self.preconditioned.ranges();
         if ranges.iter().any(|range| range.lo > amplified || range.hi < -amplified) {
-            return Verdict::Empty;
+            return BoxVerdict::Empty;
         }
         let clips =
             [self.preconditioned.clip(0, 0, amplified), self.preconditioned.clip(1, 1, amplified)];
-        let [Some(mut s), Some(mut t)] = clips else { return Verdict::Empty };
+        let [Some(mut s), Some(mut t)] = clips else { return BoxVerdict::Empty };
 
         // Krawczyk's test on the box of side 1.
         let kappa = self.preconditioned.contraction();
@@ -213,7 +213,7 @@ impl ExactSolver {
             let radius = 0.5 * kappa + amplified;
             let (low, high) = (center - radius, center + radius);
             if low.max_element() > 1.0 || high.min_element() < 0.0 {
-                return Verdict::Empty;
+                return BoxVerdict::Empty;
             }
             // Coefficients may each be off by `amplified`, and derivatives are made of their
             // differences.
@@ -224,12 +224,12 @@ impl ExactSolver {
                 && unique
                 && let Some(st) = self.refined(problem, rect, center)
             {
-                return Verdict::Root(st);
+                return BoxVerdict::Root(st);
             }
             s = [s[0].max(low.x), s[1].min(high.x)];
             t = [t[0].max(low.y), t[1].min(high.y)];
             if s[0] > s[1] || t[0] > t[1] {
-                return Verdict::Empty;
+                return BoxVerdict::Empty;
             }
         }
         next_box(rect, self.not_too_thin([s, t], error), exhausted, longer)
@@ -242,14 +242,14 @@ impl ExactSolver {
     /// image of the box is longest. Near a silhouette the second component is then quadratic,
     /// and tells how far the ray is from touching; around a pole the first is the distance
     /// from the pole.
-    fn turned(&mut self, rect: StRect, bounds: &Bounds, error: f64) -> Verdict {
+    fn turned(&mut self, rect: StRect, bounds: &Bounds, error: f64) -> BoxVerdict {
         let exhausted = rect.map(|[from, to]| to - from <= FINEST_SIDE);
         let rotation = longest_direction(self.net.mean_jacobian());
         self.preconditioned.assign(&self.net, rotation);
         let error = error * std::f64::consts::SQRT_2;
         let ranges = self.preconditioned.ranges();
         if ranges.iter().any(|range| range.lo > error || range.hi < -error) {
-            return Verdict::Empty;
+            return BoxVerdict::Empty;
         }
         if ranges[1].magnitude() <= 2.0 * error {
             // The box and the ray lie in one plane, as far as rounding can tell.
@@ -260,12 +260,12 @@ impl ExactSolver {
         for axis in 0..2 {
             for component in 0..2 {
                 let Some([from, to]) = self.preconditioned.clip(component, axis, error) else {
-                    return Verdict::Empty;
+                    return BoxVerdict::Empty;
                 };
                 part[axis] = [part[axis][0].max(from), part[axis][1].min(to)];
             }
             if part[axis][0] > part[axis][1] {
-                return Verdict::Empty;
+                return BoxVerdict::Empty;
             }
         }
         let spread = self.net.spread();
@@ -292,9 +292,9 @@ impl ExactSolver {
 
     /// The verdict on a box that cannot be told from the ray: one place, or a stretch whose ends
     /// are still to be found.
-    fn contact(&self, bounds: &Bounds) -> Verdict {
+    fn contact(&self, bounds: &Bounds) -> BoxVerdict {
         let short = bounds.z.hi - bounds.z.lo <= STRETCH * self.size;
-        if short { Verdict::Contact([bounds.z.lo, bounds.z.hi]) } else { Verdict::Inside }
+        if short { BoxVerdict::Contact([bounds.z.lo, bounds.z.hi]) } else { BoxVerdict::Inside }
     }
 
     /// Whether nothing wanted can lie in the box.
@@ -387,10 +387,10 @@ fn halves(rect: StRect, axis: usize, overlap: f64) -> [StRect; 2] {
 
 /// The box cut down to `part` of its sides if that is worthwhile, else its halves across the
 /// longer side that can still be halved.
-fn next_box(rect: StRect, part: StRect, exhausted: [bool; 2], longer: usize) -> Verdict {
+fn next_box(rect: StRect, part: StRect, exhausted: [bool; 2], longer: usize) -> BoxVerdict {
     let worthwhile = (0..2).any(|k| !exhausted[k] && part[k][1] - part[k][0] < WORTHWHILE);
     if !worthwhile {
-        return Verdict::Halved(if exhausted[longer] { 1 - longer } else { longer });
+        return BoxVerdict::Halved(if exhausted[longer] { 1 - longer } else { longer });
     }
     let mut shrunk = rect;
     for k in 0..2 {
@@ -400,7 +400,7 @@ fn next_box(rect: StRect, part: StRect, exhausted: [bool; 2], longer: usize) -> 
         let at = |x: f64| from + x.clamp(0.0, 1.0) * (to - from);
         shrunk[k] = [at(part[k][0] - more), at(part[k][1] + more)];
     }
-    Verdict::Shrunk(shrunk)
+    BoxVerdict::Shrunk(shrunk)
 }
 
 #[cfg(test)]

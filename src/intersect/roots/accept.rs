@@ -85,7 +85,7 @@ enum AtTrims {
     /// Inside, far from their edges.
     Inside,
     /// At a [trim curve](TrimCurve), to within this distance in space.
-    Edge { distance: f64, kept: Kept },
+    Edge { distance: f64, kept: KeptAround },
     /// Cut off for certain, but so near to an edge that another search may have found the place
     /// there.
     JustCutOff,
@@ -93,7 +93,7 @@ enum AtTrims {
 
 impl AtTrims {
     /// How far the edge may be that the place is at, and what is kept there; `None` elsewhere.
-    fn edge(self) -> Option<(f64, Kept)> {
+    fn edge(self) -> Option<(f64, KeptAround)> {
         match self {
             Self::Edge { distance, kept } => Some((distance, kept)),
             Self::Inside | Self::JustCutOff => None,
@@ -104,7 +104,7 @@ impl AtTrims {
 /// What trims keep around a place at their edge, of all that a ray may meet there that was aimed at
 /// the same point and is off it by rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kept {
+enum KeptAround {
     Nothing,
     All,
     /// The edge passes there: see [`TrimCurve::on_either_side`].
@@ -182,16 +182,18 @@ impl<'a> Candidate<'a> {
                 let distance = if off.is_finite() { off } else { 0.0 };
                 let pole = leaf.collapsed(piece).filter(|_| !inside);
                 let place = pole.and_then(|side| spot.kept(question.set, side, (ray, allowed)));
-                let mut kept = Kept::Unknown;
+                let mut kept = KeptAround::Unknown;
                 if let Some(place) = place {
                     self.on_ray = OnRay::new(place, ray, allowed);
                     self.measure();
                 } else if question.all_hits {
                     kept = match aimed_side(leaf, spot, ray, z_error / error) {
-                        Side::Outside if !inside => Kept::Nothing,
-                        Side::Inside if inside => Kept::All,
-                        Side::Edge { .. } if self.flags.contains(HitFlags::TRIM_EDGE) => Kept::Part,
-                        _ => Kept::Unknown,
+                        Side::Outside if !inside => KeptAround::Nothing,
+                        Side::Inside if inside => KeptAround::All,
+                        Side::Edge { .. } if self.flags.contains(HitFlags::TRIM_EDGE) => {
+                            KeptAround::Part
+                        }
+                        _ => KeptAround::Unknown,
                     };
                 }
                 self.trims = AtTrims::Edge { distance, kept };
@@ -253,12 +255,13 @@ impl<'a> Candidate<'a> {
         let OnRay { ref spot, residual, .. } = self.on_ray;
         let ray = self.question.ray;
         let edge = self.trims.edge();
-        let (at_trims, kept) = (edge.is_some(), edge.map_or(Kept::Unknown, |(_, kept)| kept));
+        let (at_trims, kept) = (edge.is_some(), edge.map_or(KeptAround::Unknown, |(_, kept)| kept));
         let is_off = residual > aimed;
         let beside_pole = is_off && self.solution.evidence == Evidence::Collapsed;
         let outside_pole =
             if beside_pole { spot.is_passed_outside_at_pole(ray, [aimed, -aimed]) } else { None };
-        let beyond = kept == Kept::Nothing || is_off && self.moved || outside_pole.unwrap_or(false);
+        let beyond =
+            kept == KeptAround::Nothing || is_off && self.moved || outside_pole.unwrap_or(false);
         // Where the surface goes on in another piece, either is met, but neither covers everything.
         let inside_pole = || spot.is_passed_outside_at_pole(ray, [aimed; 2]) == Some(false);
         let cover = if beyond {
@@ -267,7 +270,7 @@ impl<'a> Candidate<'a> {
             Cover::Whole // with trims, which may cut off any part of the sector, it is not known
         } else if beside_pole {
             Cover::Unknown
-        } else if kept == Kept::All && !at_border {
+        } else if kept == KeptAround::All && !at_border {
             Cover::Whole
         } else {
             Cover::Sector
@@ -292,7 +295,7 @@ impl<'a> Candidate<'a> {
             cosine = 0.0;
         }
         let trim_curve = self.trims.edge().map(|(off, kept)| {
-            let on_either_side = kept == Kept::Part;
+            let on_either_side = kept == KeptAround::Part;
             TrimCurve { off, on_either_side }
         });
         let Spot { index, piece, st, jet } = spot;
@@ -387,14 +390,18 @@ fn on_ray<'a>(
         let spot = Spot { index: leaf.piece, piece, st, jet };
         return Ok(OnRay { spot, z, residual, allowed });
     }
-    // Where floating-point parameters are too coarse, the root lies between two of them.
+    // Where floating-point parameters are so coarse that the ray may pass the border near enough to
+    // meet it, the nearest point of the border lies between two of them.
     let speed = jet.ds.length() * st.x + jet.dt.length() * st.y;
-    let too_coarse = residual <= allowed + 4.0 * rounding::UNIT_ROUNDOFF * speed;
+    let too_coarse = residual <= MET * allowed + 4.0 * rounding::UNIT_ROUNDOFF * speed;
     let stretch = solution.evidence.open_range();
     let unexplained = stretch.is_some() || !moved || too_coarse;
     let from = stretch.map_or(z, |[from, _]| from.min(z));
     Err(if unexplained { Dropped::from(from, ray) } else { Dropped::Surely })
 }
+
+/// A ray that passes a border within this part of the error bound meets it for certain, or is in doubt.
+const MET: f64 = 0.5;
 
 /// Whether a ray through a pole may touch the surface there instead of crossing it.
 ///

@@ -1,6 +1,6 @@
 //! The question that a ray puts to leaves.
 
-use super::start::Start;
+use super::start::StartRoot;
 use crate::intersect::query::StartIn;
 use crate::intersect::wanted::Wanted;
 use crate::intersect::{Query, Root};
@@ -32,7 +32,7 @@ impl<'a> Question<'a> {
     }
 
     /// The place the ray starts at, if it leaves a root of these surfaces.
-    pub(super) fn start(&self) -> Option<Start<'a>> {
-        Some(Start::new(self.from?, self.set, self.ray))
+    pub(super) fn start(&self) -> Option<StartRoot<'a>> {
+        Some(StartRoot::new(self.from?, self.set, self.ray))
     }
 }

@@ -18,8 +18,12 @@ const CLEAR_SIDE: f64 = 1e-4;
 /// Two surfaces share a border if it is no farther off, in errors, than both may be.
 const SHARED: f64 = 2.0;
 
+/// By how much errors that are compared to tell whether a ray is flat may have grown by rounding: to
+/// f32, or of the normal.
+const ROUNDED_UP: f64 = 1.001;
+
 /// The root that a ray starts on, seen from another one.
-pub(super) struct Start<'a> {
+pub(super) struct StartRoot<'a> {
     pub(super) root: &'a Root,
     pub(super) piece: &'a Piece,
     pub(super) jet: Jet,
@@ -43,7 +47,7 @@ pub(super) enum Sense {
     Unclear,
 }
 
-impl<'a> Start<'a> {
+impl<'a> StartRoot<'a> {
     /// The root of these surfaces that a ray leaves.
     pub(super) fn new(root: &'a Root, set: &'a PatchSet, ray: &RayFrame) -> Self {
         let piece = &set.pieces()[root.piece as usize];
@@ -89,6 +93,13 @@ impl<'a> Start<'a> {
         let Self { root, piece, ref jet, .. } = *self;
         at_border(piece, root.st, jet, self.rounding + more)
             || matches!(piece.side(root.st, trim_reach(jet, at_trims)), Side::Edge { .. })
+    }
+
+    /// Whether the root's error is no larger than it may be along this ray, which then is flatter on the
+    /// surface than the one that found the root, or not much steeper: see [`Root::seen_along`].
+    pub(super) fn is_flat(&self) -> bool {
+        let along = Root::START_OFF * self.root.across() / self.cosine.abs();
+        self.root.error <= ROUNDED_UP * along
     }
 
     /// How the start's surface and that of another place are turned, if they share an edge there:

@@ -15,7 +15,7 @@ use crate::math::RayFrame;
 use crate::patch::{OrientedBox, Passage};
 
 /// How a leaf is searched.
-pub(super) type Search = fn(&Question<'_>, &PlacedLeaf<'_>, &Passage, f64, &mut Findings);
+pub(super) type SearchLeaf = fn(&Question<'_>, &PlacedLeaf<'_>, &Passage, f64, &mut Findings);
 
 impl Tracer<'_> {
     /// The first hit of a ray.
@@ -35,7 +35,7 @@ impl Tracer<'_> {
     }
 
     /// [`scalar_first`](Self::scalar_first) by any search of leaves.
-    pub(super) fn first_by(&mut self, search: Search, query: &Query) -> Answer {
+    pub(super) fn first_by(&mut self, search: SearchLeaf, query: &Query) -> Answer {
         self.collect(search, (query, &RayFrame::new(&query.ray)), Wanted::First);
         let findings = &mut self.findings;
         let answer = answer_of(&self.bvh.set, findings.meetings.iter(), findings.doubt);
@@ -44,14 +44,14 @@ impl Tracer<'_> {
     }
 
     /// [`scalar_all`](Self::scalar_all) by any search of leaves.
-    pub(super) fn all_by(&mut self, search: Search, query: &Query) -> DVec3 {
+    pub(super) fn all_by(&mut self, search: SearchLeaf, query: &Query) -> DVec3 {
         let frame = RayFrame::new(&query.ray);
         self.collect(search, (query, &frame), Wanted::All);
         frame.axis
     }
 
     /// Searches all leaves the ray may meet, as far along it as anything matters.
-    fn collect(&mut self, search: Search, (query, ray): (&Query, &RayFrame), wanted: Wanted) {
+    fn collect(&mut self, search: SearchLeaf, (query, ray): (&Query, &RayFrame), wanted: Wanted) {
         let bvh = self.bvh;
         let question = Question::new(&bvh.set, query, ray, wanted);
         let findings = &mut self.findings;

@@ -7,11 +7,11 @@ use crate::intersect::hit::SPARE;
 use crate::patch::Leaf;
 
 /// What is to be done with a hit.
-pub(super) enum Kept {
+pub(super) enum Fate {
     /// The hit is the nearest so far.
     Nearer,
     /// It is not the nearest, or it is trimmed away.
-    Not,
+    Dropped,
     /// It lies near an edge of the trims: the scalar search must judge it.
     Undecided,
 }
@@ -21,22 +21,22 @@ pub(super) enum Kept {
 /// Of hits at the same place, the one on the first piece counts, and there the one on its first
 /// part, whichever was searched first: so the order of the search does not matter.
 #[inline(always)]
-pub(super) fn keep(found: &HitPlace, view: &BvhView<'_>, nearest: Option<&HitPlace>) -> Kept {
+pub(super) fn keep(found: &HitPlace, view: &BvhView<'_>, nearest: Option<&HitPlace>) -> Fate {
     let leaf = &view.leaves[found.leaf as usize];
     // A hit that lies beyond the nearest by more than twice its own error bound need not be judged.
     let beyond = |known: &HitPlace| found.z > known.z + SPARE * found.z_error;
     if leaf.is_trimmed() && !nearest.is_some_and(beyond) {
         match trims_keep(found, view) {
             Some(true) => {}
-            Some(false) => return Kept::Not,
-            None => return Kept::Undecided,
+            Some(false) => return Fate::Dropped,
+            None => return Fate::Undecided,
         }
     }
     let nearer = nearest.is_none_or(|known| {
         found.z < known.z
             || (found.z == known.z && comes_first(view.leaves, found.leaf, known.leaf))
     });
-    if nearer { Kept::Nearer } else { Kept::Not }
+    if nearer { Fate::Nearer } else { Fate::Dropped }
 }
 
 /// Whether trims cut off a root for certain.

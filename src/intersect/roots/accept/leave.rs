@@ -7,7 +7,7 @@ use crate::intersect::hit::SPARE;
 use crate::intersect::roots::around::Turn;
 use crate::intersect::roots::reach::TRIM_REACH;
 use crate::intersect::roots::spot::Spot;
-use crate::intersect::roots::start::{Sense, Start, is_at_side};
+use crate::intersect::roots::start::{Sense, StartRoot, is_at_side};
 use crate::patch::{LEAF_SLACK, Leaf, holds};
 
 impl Candidate<'_> {
@@ -41,12 +41,8 @@ impl Candidate<'_> {
     /// through the surface in the opposite sense, unless the surface is joined to itself the other
     /// way round. And it is no farther off than the start is along *this* ray: to the ray that found
     /// it, which may have been grazing, `reach` is far.
-    fn is_start(&self, start: &Start<'_>, reach: f64) -> Option<bool> {
+    fn is_start(&self, start: &StartRoot<'_>, reach: f64) -> Option<bool> {
         let Self { z_error, cosine, flags, leaf, .. } = *self;
-        // Where the ray may touch the surface at a pole, this may be its next root.
-        if flags.contains(HitFlags::DOUBTFUL) {
-            return None;
-        }
         let is_within = self.on_ray.z.abs() <= z_error + start.error;
         match self.solution.evidence {
             Evidence::Isolated(rect) if start.root.piece == leaf.piece => {
@@ -64,6 +60,8 @@ impl Candidate<'_> {
                 Sense::Opposite if !is_within => Some(false),
                 _ => None,
             },
+            // Where the ray may touch the surface at the pole, this may be its next root.
+            Evidence::Collapsed if flags.contains(HitFlags::DOUBTFUL) => None,
             Evidence::Collapsed => is_within.then_some(true),
             Evidence::Contact(_) | Evidence::Stretch { .. } => None,
         }
@@ -79,6 +77,10 @@ impl Candidate<'_> {
     /// Beside the edge the ray crosses one of the surfaces, by rounding perhaps both. It is in
     /// doubt whether crossings are the same that are only as near to each other, and to the edge,
     /// as both may be off.
+    ///
+    /// A flat ray leaves its start's surface so slowly that it may pass an edge far away within
+    /// rounding. There it is in doubt, too, if the two surfaces share that edge, and unless it is
+    /// known to go through them in opposite senses.
     pub(super) fn leave_edge(&self) -> Result<(), Dropped> {
         let Self { question, z_error, cosine, flags, trims, .. } = *self;
         let Some(root) = question.from else { return Ok(()) };
@@ -91,8 +93,11 @@ impl Candidate<'_> {
         if !(is_clear && z.abs() <= farthest) {
             return Ok(());
         }
-        let start = question.start().filter(|start| start.sense(cosine) == Sense::Same);
-        let Some(start) = start else { return Ok(()) };
+        let Some(start) = question.start() else { return Ok(()) };
+        let sense = start.sense(cosine);
+        if sense == Sense::Opposite {
+            return Ok(());
+        }
         let is_at_place = |apart: f64, more: f64| {
             z.abs() <= apart
                 && point.distance(start.jet.point) <= 2.0 * apart
@@ -100,11 +105,15 @@ impl Candidate<'_> {
         };
         let off = z_error + start.error;
         let is_edge = start.is_on_edge() && start.has_edge_at(point);
-        if is_at_place(off, 0.0) && is_edge && is_short(self.leaf, off) {
+        if sense == Sense::Same && is_at_place(off, 0.0) && is_edge && is_short(self.leaf, off) {
             let is_doubtful = start.turn(&self.on_ray.spot, 0.0, z_error) == Turn::Opposite;
             return Err(if is_doubtful { Dropped::InDoubt(0.0) } else { Dropped::Surely });
         }
-        let is_in_doubt = is_at_place(farthest, most_off) && start.may_be_on_edge(most_off);
+        let is_in_doubt = if start.is_flat() {
+            is_at_place(farthest, SPARE * z_error) && start.has_edge_at(point)
+        } else {
+            is_at_place(farthest, most_off) && start.may_be_on_edge(most_off)
+        };
         if is_in_doubt { Err(Dropped::InDoubt(0.0)) } else { Ok(()) }
     }
 }

@@ -11,7 +11,7 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f64x4};
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
-use super::jet::{Bernstein, Powers, Sums};
+use super::jet::{Bernstein, NetSums, Powers};
 use super::ray::{SingleHit, SingleRay};
 use crate::intersect::wide::hit_place::HitPlace;
 use crate::intersect::wide::reach::WITH_SLACK;
@@ -95,7 +95,7 @@ pub(super) fn finish<S: Simd>(
 
 /// [`finish`] for one form of sums.
 #[simd]
-fn finish_of<S: Simd, F: Sums<S>>(
+fn finish_of<S: Simd, F: NetSums<S>>(
     simd: S,
     fitted: Fitted<'_>,
     surface: &OneNet<'_>,
@@ -163,7 +163,7 @@ struct Rectangle {
 
 impl Rectangle {
     #[inline(always)]
-    fn of<S: Simd, F: Sums<S>>(leaf: &Leaf) -> Self {
+    fn of<S: Simd, F: NetSums<S>>(leaf: &Leaf) -> Self {
         let [[s0, s1], [t0, t1]] = leaf.rect();
         let half = [0.5 * F::SIDE * (s1 - s0), 0.5 * F::SIDE * (t1 - t0)];
         let middle = |sum: f64| F::START + 0.5 * F::SIDE * sum;
@@ -273,7 +273,7 @@ struct FoundRoot {
 /// - whether parameters are fine enough is asked of all roots; of its own, a certificate has shown
 ///   it.
 #[inline(always)]
-fn judge<S: Simd, F: Sums<S>>(
+fn judge<S: Simd, F: NetSums<S>>(
     simd: S,
     root: &FoundRoot,
     ray: &SingleRay<'_>,

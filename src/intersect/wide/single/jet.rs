@@ -7,7 +7,7 @@ use crate::math::bernstein::binomials;
 use crate::patch::TensorPatch;
 
 /// How the sums of a patch are computed at one place, in parameters `x`, `y` of their own.
-pub(super) trait Sums<S: Simd> {
+pub(super) trait NetSums<S: Simd> {
     /// Where the unit square of `s` and `t` begins in these parameters, and how long its sides are.
     const START: f64;
     const SIDE: f64;
@@ -20,7 +20,7 @@ pub(super) trait Sums<S: Simd> {
 /// point: four where weights differ, else three.
 pub(super) struct Powers<const P: usize, const Q: usize, const C: usize, const N: usize = 4>;
 
-impl<S: Simd, const P: usize, const Q: usize, const C: usize, const N: usize> Sums<S>
+impl<S: Simd, const P: usize, const Q: usize, const C: usize, const N: usize> NetSums<S>
     for Powers<P, Q, C, N>
 {
     // Powers are those of twice the distance from the middle.
@@ -57,7 +57,7 @@ impl<S: Simd, const P: usize, const Q: usize, const C: usize, const N: usize> Su
 /// By Bernstein functions, the same sums as in [`TensorPatch::jet`], of any degree below `N`.
 pub(super) struct Bernstein<const N: usize, const C: usize>;
 
-impl<S: Simd, const N: usize, const C: usize> Sums<S> for Bernstein<N, C> {
+impl<S: Simd, const N: usize, const C: usize> NetSums<S> for Bernstein<N, C> {
     const START: f64 = 0.0;
     const SIDE: f64 = 1.0;
 

@@ -26,7 +26,7 @@ use super::ray::{Guess, SingleHit, SingleRay};
 use crate::intersect::Statistics;
 use crate::intersect::tree::nodes::Child;
 use crate::intersect::wide::box_ray::{BOX_SPARE, Passages, Stack, first_entered};
-use crate::intersect::wide::nearest::{Kept, is_cut_off, keep};
+use crate::intersect::wide::nearest::{Fate, is_cut_off, keep};
 use crate::intersect::wide::proof::one_ray::isolate;
 use crate::intersect::wide::reach::WIDENED;
 use crate::intersect::wide::search::one_ray::Distances;
@@ -322,14 +322,14 @@ impl SingleWork {
         self.other().place.leaf = leaf;
         let found = &self.hits[1 - self.best];
         match keep(&found.place, view, self.hit().map(|hit| &hit.place)) {
-            Kept::Nearer if ray.asks_for_all() => self.all.push(*found),
-            Kept::Nearer => {
+            Fate::Nearer if ray.asks_for_all() => self.all.push(*found),
+            Fate::Nearer => {
                 ray.shorten(found.place.z);
                 self.met = true;
                 self.best = 1 - self.best;
             }
-            Kept::Not => {}
-            Kept::Undecided => self.undecided.push(leaf),
+            Fate::Dropped => {}
+            Fate::Undecided => self.undecided.push(leaf),
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::intersect::tree::nodes::ChildCode;
 use crate::intersect::wanted::Wanted;
 use crate::intersect::wide::box_ray::{BoxRay, Stack};
 use crate::intersect::wide::hit_place::HitPlace;
-use crate::intersect::wide::nearest::{Kept, keep};
+use crate::intersect::wide::nearest::{Fate, keep};
 use crate::intersect::wide::single::ray::{SingleHit, boxes_in};
 use crate::intersect::wide::view::BvhView;
 use crate::math::{Ray, RayFrame};
@@ -60,7 +60,7 @@ impl Flight {
     #[inline(always)]
     pub(super) fn takes(&mut self, view: &BvhView<'_>, hit: &HitPlace, wanted: Wanted) -> bool {
         match keep(hit, view, self.met.then_some(&self.hit.place)) {
-            Kept::Nearer => {
+            Fate::Nearer => {
                 self.boxes.far = wanted.far(hit.z, self.shift, self.scale);
                 self.met = true;
                 if self.is_done() {
@@ -68,8 +68,8 @@ impl Flight {
                 }
                 return true;
             }
-            Kept::Not => {}
-            Kept::Undecided => self.alone = true,
+            Fate::Dropped => {}
+            Fate::Undecided => self.alone = true,
         }
         false
     }
