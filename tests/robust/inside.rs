@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
-use nurbray::intersect::{Answer, Coherence, Hit, HitFlags, Query, SurfaceBvh};
+use nurbray::intersect::{Answer, Coherence, Hit, HitFlags, Kernel, Query, SurfaceBvh};
 use nurbray::math::Ray;
 
 use crate::random::Random;
@@ -178,6 +178,33 @@ fn a_stretch_inside_a_surface_is_reported_by_its_ends() {
 
 /// The most boxes of the exact solver for one ray, and the few more of the last leaf.
 const MOST_BOXES_OF_A_RAY: u64 = (1 << 17) + (1 << 13);
+
+/// Both ends of the stretch lie outside the ray's range, and the range between them.
+#[test]
+fn a_range_within_a_stretch_is_in_doubt() {
+    let mut random = Random::new(63);
+    for Stretched { name, surface, stretch } in stretched() {
+        let bvh = SurfaceBvh::build(&[surface]).unwrap();
+        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            let (mut tracer, mut hits) = (bvh.tracer_with(kernel), Vec::new());
+            for _ in 0..40 {
+                let [from, to] = stretch(&mut random);
+                let share = random.between(0.2, 0.7);
+                // From the middle of the stretch, and from before it.
+                for (start, before) in
+                    [(from + share * (to - from), 0.0), (2.0 * from - to, 1.0 + share)]
+                {
+                    let range = [before, before + random.between(0.05, 0.2)];
+                    let ray = Ray::with_range(start, to - from, range[0], range[1]).unwrap();
+                    let what = format!("{name}, {kernel}: {ray:?}");
+                    assert!(tracer.first_hit(&ray).doubtful, "{what}");
+                    assert!(tracer.occluded(&ray).doubtful, "{what}");
+                    assert!(tracer.all_hits(&ray, &mut hits), "{what}");
+                }
+            }
+        }
+    }
+}
 
 /// Points `(x, y, 0)` that depend on the sum of two angles: not a surface, but a circle.
 fn circle_twice() -> NurbsSurface {

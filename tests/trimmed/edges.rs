@@ -41,6 +41,98 @@ fn rays_at_the_edge_are_hits_and_say_so() {
     }
 }
 
+/// A parallelogram whose sides meet at a small angle, cut in two along a slanted line, from far away:
+/// a place is off by more in each parameter than a step along one side would move it. Nothing leaks.
+#[test]
+fn nothing_leaks_between_the_halves_of_a_sheared_sheet() {
+    for angle in [0.3, 1e-2, 1e-4] {
+        let knots = || KnotVector::bezier(1).unwrap();
+        let (a, b) = (DVec3::X, DVec3::new(1.0, angle, 0.0));
+        let net = vec![DVec3::ZERO, b, a, a + b];
+        let sheet = NurbsSurface::new(knots(), knots(), net, None).unwrap();
+        let beside = polygon(&[(-1.0, -1.0), (0.2, -1.0), (0.7, 2.0), (-1.0, 2.0)]);
+        let halves = [Kept::Odd, Kept::Even]
+            .map(|kept| trimmed(sheet.clone(), kept, std::slice::from_ref(&beside)).into());
+        let bvh = build(&halves);
+        let mut random = Random::new(11);
+        let mut queries = Vec::new();
+        for k in 0..600 {
+            let v = random.between(0.02, 0.98);
+            let on_edge = sheet.point_at(DVec2::new(0.2 + (v + 1.0) / 6.0, v));
+            let distance = [1.0, 1e3][k % 2];
+            let tilt = DVec2::from_angle(random.between(0.0, TAU)) * random.between(0.0, 0.5);
+            let way = tilt.extend(-1.0);
+            queries.push(Query::primary(Ray::new(on_edge - distance * way, way).unwrap()));
+        }
+        for (who, hits) in asked(&bvh, &queries) {
+            let lost = hits.iter().filter(|hit| **hit == Some(None)).count();
+            assert_eq!(lost, 0, "{who}, {angle}");
+            let met = hits.iter().filter_map(|hit| hit.as_ref()?.as_ref());
+            assert!(
+                met.clone().all(|hit| hit.flags.contains(HitFlags::TRIM_EDGE)),
+                "{who}, {angle}"
+            );
+            assert!(met.count() > 100 || who == "all hits", "{who}, {angle}");
+        }
+    }
+}
+
+/// Of a square of side 2 about the origin, trims keep the left half, or a disk in the middle.
+fn halves_and_disk() -> [TrimmedSurface; 2] {
+    let plane = shapes::plane(2.0, 2.0).unwrap();
+    let half = polygon(&[(-1.0, -1.0), (0.5, -1.0), (0.5, 2.0), (-1.0, 2.0)]);
+    let disk = circle(0.5, 0.5, 0.2);
+    [half, disk].map(|one| trimmed(plane.clone(), Kept::Odd, &[one]))
+}
+
+/// Just beyond the strip in which an edge is met, another search may have met it: all hits are in
+/// doubt. Farther off, nothing is met, without doubt.
+#[test]
+fn all_hits_are_in_doubt_just_beyond_the_strip_beside_an_edge() {
+    let [half, _] = halves_and_disk();
+    let bvh = build(&[half.into()]);
+    for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+        let (mut tracer, mut hits, mut random) =
+            (bvh.tracer_with(kernel), Vec::new(), Random::new(9));
+        let mut in_doubt = 0;
+        for _ in 0..500 {
+            let y = random.between(-0.9, 0.9);
+            let mut at = |x: f64| {
+                let ray = Ray::new(DVec3::new(x, y, 1.0), DVec3::NEG_Z).unwrap();
+                let doubtful = tracer.all_hits(&ray, &mut hits);
+                (hits.len(), doubtful)
+            };
+            // The error bound of a point is 2.7e-15 there; four times that is the strip.
+            let (count, doubtful) = at(random.between(1.2e-14, 1.9e-14));
+            assert!(count > 0 || doubtful, "{kernel}: {y}");
+            in_doubt += u32::from(count == 0 && doubtful);
+            assert_eq!(at(random.between(6e-14, 1e-12)), (0, false), "{kernel}: {y}");
+            let (count, _) = at(random.between(-1e-14, 5e-15));
+            assert_eq!(count, 1, "{kernel}: {y}");
+        }
+        assert!(in_doubt > 100, "{kernel}: {in_doubt}");
+    }
+}
+
+/// A ray in the plane of a sheet whose ends are cut off meets what is kept in between.
+#[test]
+fn a_ray_in_the_plane_of_what_is_kept_is_in_doubt_though_its_ends_are_cut_off() {
+    let [_, disk] = halves_and_disk();
+    let bvh = build(&[disk.into()]);
+    for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+        let (mut tracer, mut hits, mut random) =
+            (bvh.tracer_with(kernel), Vec::new(), Random::new(10));
+        for _ in 0..50 {
+            let through = 0.3 * DVec2::from_angle(random.between(0.0, TAU));
+            let way = DVec2::from_angle(random.between(0.0, TAU));
+            let ray = Ray::new((through - 4.0 * way).extend(0.0), way.extend(0.0)).unwrap();
+            assert!(tracer.first_hit(&ray).doubtful, "{kernel}: {ray:?}");
+            assert!(tracer.occluded(&ray).doubtful, "{kernel}: {ray:?}");
+            assert!(tracer.all_hits(&ray, &mut hits), "{kernel}: {ray:?}");
+        }
+    }
+}
+
 /// Checks that rays across what is left of the plane z = 0, at all small angles, are met where
 /// they cross it, or are doubtful. `way` gives the two ends of the way of a line in the plane over
 /// what is left, grown by a length.

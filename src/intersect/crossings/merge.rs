@@ -247,33 +247,9 @@ mod tests {
 
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface, shapes};
-    use crate::intersect::roots::meeting::Cover;
+    use crate::intersect::roots::meeting::testing::view;
     use crate::intersect::{Query, SurfaceBvh};
     use crate::math::Ray;
-    use crate::patch::Jet;
-
-    fn view(t: f64, cosine: f64, flags: HitFlags) -> Meeting {
-        let jet = Jet { point: t * DVec3::Z, ds: DVec3::X, dt: DVec3::Y };
-        Meeting {
-            t,
-            z_error: 1e-15 / cosine,
-            t_from_z: 1.0,
-            surface: 0,
-            piece: 0,
-            st: DVec2::splat(0.5),
-            jet,
-            normal: Some(DVec3::Z),
-            flags,
-            error: 1e-15,
-            trim_curve: None,
-            cosine,
-            stretch: None,
-            beyond: false,
-            aimed: 1e-16,
-            cover: Cover::Sector,
-            place: None,
-        }
-    }
 
     #[test]
     fn a_certain_view_stays_where_a_grazing_one_leaves_doubt() {
@@ -293,6 +269,7 @@ mod tests {
         let far = |cosine| Meeting { error: 5e-9, ..view(1.2, cosine, HitFlags::DOUBTFUL) };
         assert!(may_touch(&far(5e-4)) && !may_touch(&far(6e-4)));
         assert!(!may_touch(&view(1.2, 5e-4, HitFlags::DOUBTFUL)));
+        assert!(may_touch(&view(1.2, 5e-5, HitFlags::DOUBTFUL)));
 
         // A steep doubtful view is just another view: it gives way, and its doubt goes with it.
         let steep = view(1.2, 0.5, HitFlags::DOUBTFUL);
@@ -321,6 +298,27 @@ mod tests {
             merge(&mut meetings, bvh.patches().pieces(), DVec3::Z);
             assert_eq!(meetings.len(), count);
             assert!(meetings.iter().all(|m| m.is_certain() != is_doubtful), "{meetings:?}");
+        }
+    }
+
+    /// A meeting without a normal goes through the surface either way: beside another one, it may be
+    /// the same crossing or not.
+    #[test]
+    fn a_meeting_without_a_normal_is_in_doubt_beside_another() {
+        let planes = [0; 2].map(|_| shapes::plane(1.0, 1.0).unwrap());
+        let bvh = SurfaceBvh::build(&planes).unwrap();
+        let at = |surface: u32, t: f64| Meeting {
+            surface,
+            piece: surface,
+            st: DVec2::new(0.0, 0.5),
+            ..view(t, 0.5, HitFlags::BORDER)
+        };
+        let bare = |t: f64| Meeting { normal: None, cosine: 0.0, z_error: 1e-15, ..at(1, t) };
+        for (apart, is_doubtful) in [(0.0, true), (1e-15, true), (1e-3, false)] {
+            let mut meetings = vec![at(0, 1.0), bare(1.0 + apart)];
+            merge(&mut meetings, bvh.patches().pieces(), DVec3::Z);
+            let bare = meetings.iter().find(|m| m.normal.is_none());
+            assert_eq!(bare.map(|m| !m.is_certain()), Some(is_doubtful), "{apart}: {meetings:?}");
         }
     }
 

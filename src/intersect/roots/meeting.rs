@@ -146,3 +146,33 @@ impl CertainHit {
         }
     }
 }
+
+#[cfg(test)]
+pub(crate) mod testing {
+    use super::*;
+
+    /// A meeting at `t` along the z axis, in the middle of the first piece, with an error of 1e-15
+    /// across the ray.
+    pub(crate) fn view(t: f64, cosine: f64, flags: HitFlags) -> Meeting {
+        let jet = Jet { point: t * DVec3::Z, ds: DVec3::X, dt: DVec3::Y };
+        Meeting {
+            t,
+            z_error: 1e-15 / cosine,
+            t_from_z: 1.0,
+            surface: 0,
+            piece: 0,
+            st: DVec2::splat(0.5),
+            jet,
+            normal: Some(DVec3::Z),
+            flags,
+            error: 1e-15,
+            trim_curve: None,
+            cosine,
+            stretch: None,
+            beyond: false,
+            aimed: 1e-16,
+            cover: Cover::Sector,
+            place: None,
+        }
+    }
+}

@@ -63,3 +63,77 @@ pub(super) fn step_towards(jet: &Jet, v: DVec3) -> DVec2 {
     let (s, t) = (jet.ds.dot(v), jet.dt.dot(v));
     DVec2::new(tt * s - st * t, ss * t - st * s) / (ss * tt - st * st)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tangents of different lengths, from a right angle to almost one line.
+    fn jets() -> impl Iterator<Item = Jet> {
+        let ds = DVec3::new(3.0, 0.0, 0.0);
+        [1.5, 1.0, 0.3, 1e-2, 1e-4].into_iter().map(move |angle: f64| {
+            let dt = 0.02 * DVec3::new(angle.cos(), 0.6 * angle.sin(), 0.8 * angle.sin());
+            Jet { point: DVec3::ZERO, ds, dt }
+        })
+    }
+
+    /// Unit vectors in the tangent plane, all round.
+    fn ways(jet: &Jet) -> impl Iterator<Item = DVec3> + use<> {
+        let along = jet.ds.normalize();
+        let aside = jet.ds.cross(jet.dt).cross(jet.ds).normalize();
+        (0..3600).map(move |k| {
+            let (sine, cosine) = (0.1 * f64::from(k)).to_radians().sin_cos();
+            cosine * along + sine * aside
+        })
+    }
+
+    #[test]
+    fn steps_lead_to_the_foot() {
+        for jet in jets() {
+            let normal = jet.ds.cross(jet.dt).normalize();
+            for way in ways(&jet) {
+                let step = step_towards(&jet, way + 0.7 * normal);
+                let moved = step.x * jet.ds + step.y * jet.dt;
+                assert!(moved.distance(way) < 1e-6, "{jet:?}: {moved} for {way}");
+            }
+        }
+    }
+
+    /// No step of a length leads farther in a parameter than is said, and some lead as far.
+    #[test]
+    fn no_step_leads_farther_than_the_reach() {
+        let distance = 1e-3;
+        for jet in jets() {
+            let farthest = ways(&jet)
+                .map(|way| step_towards(&jet, distance * way).abs())
+                .fold(DVec2::ZERO, DVec2::max);
+            let share = farthest / parameter_reach(&jet, distance);
+            assert!(share.max_element() < 1.0 + 1e-6, "{jet:?}: {share}");
+            assert!(share.min_element() > 1.0 - 1e-5, "{jet:?}: {share}");
+        }
+    }
+
+    /// A root off by one length across the ray in any direction, and by another along the ray.
+    #[test]
+    fn roots_are_no_farther_off_than_the_reach() {
+        let (across, along) = (1e-6, 1e-3);
+        for jet in jets() {
+            for axis in ways(&jet).step_by(60) {
+                let reach = root_reach(&jet, axis, across, along);
+                for way in ways(&jet).step_by(30) {
+                    let step = step_towards(&jet, across * way + along * axis).abs();
+                    assert!(step.cmple((1.0 + 1e-6) * reach).all(), "{jet:?}: {step} {reach}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn at_a_pole_a_parameter_may_be_anything() {
+        let pole = Jet { point: DVec3::ZERO, ds: DVec3::X, dt: DVec3::ZERO };
+        let reach = root_reach(&pole, DVec3::X, 1e-15, 1e-12);
+        assert_eq!(reach.y, f64::INFINITY);
+        assert!((reach.x - 1e-12).abs() < 1e-24, "{reach}");
+        assert_eq!(trim_reach(&pole, 1e-12).x, TRIM_REACH * 1e-12);
+    }
+}

@@ -314,3 +314,33 @@ fn first_guess(leaf: &Leaf, middle: DVec2) -> DVec2 {
     let [s, t] = leaf.rect();
     DVec2::new(at(s, middle.x), at(t, middle.y))
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::geometry::shapes;
+    use crate::intersect::wanted::Wanted;
+    use crate::intersect::{Query, SurfaceBvh};
+    use crate::math::Ray;
+
+    /// Once a ray has cost all that it may cost, leaves that it may meet are left in doubt.
+    #[test]
+    fn what_is_not_searched_any_more_is_in_doubt() {
+        let bvh = SurfaceBvh::build(&[shapes::plane(2.0, 2.0).unwrap()]).unwrap();
+        let query = Query::primary(Ray::new(DVec3::new(0.1, 0.2, 3.0), DVec3::NEG_Z).unwrap());
+        let frame = RayFrame::new(&query.ray);
+        let question = Question::new(bvh.patches(), &query, &frame, Wanted::First);
+        let oriented = bvh.tree.oriented(0);
+        let leaf = &bvh.leaves[0];
+        let piece = &bvh.patches().pieces()[leaf.piece as usize];
+        let placed = PlacedLeaf { leaf, oriented: &oriented, piece };
+        for (effort, met, doubt) in [(0, 1, f64::INFINITY), (MOST_EFFORT, 0, 2.5)] {
+            let mut findings = Findings::default();
+            findings.effort = effort;
+            search_exactly(&question, &placed, Some(2.5), f64::INFINITY, &mut findings);
+            assert_eq!((findings.meetings.len(), findings.doubt), (met, doubt));
+        }
+    }
+}

@@ -81,3 +81,34 @@ pub(super) fn border_flag(piece: &Piece, st: DVec2, jet: &Jet, magnitude: f64) -
     let error = piece.patch.error_bound(magnitude);
     if at_border(piece, st, jet, error) { HitFlags::BORDER } else { HitFlags::NONE }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes;
+    use crate::intersect::SurfaceBvh;
+    use crate::intersect::roots::meeting::testing::view;
+
+    /// A doubtful meeting behind the first one leaves it in doubt if it may lie before it.
+    #[test]
+    fn what_may_lie_before_the_first_hit_leaves_it_in_doubt() {
+        let bvh = SurfaceBvh::build(&[shapes::plane(1.0, 1.0).unwrap()]).unwrap();
+        let first = view(1.0, 0.5, HitFlags::NONE);
+        for (behind, off, is_doubtful) in
+            [(1e-9, 1e-8, true), (1e-9, 1e-10, false), (-1e-9, 1e-10, true), (1e-3, 1e-8, false)]
+        {
+            let other = Meeting { z_error: off, ..view(1.0 + behind, 0.5, HitFlags::DOUBTFUL) };
+            for meetings in [[first, other], [other, first]] {
+                let answer = answer_of(bvh.patches(), meetings.iter(), f64::INFINITY);
+                assert_eq!(answer.doubtful, is_doubtful, "{behind} {off}: {answer:?}");
+                let nearest = 1.0 + f64::min(behind, 0.0);
+                assert_eq!(answer.hit.map(|hit| hit.t), Some(nearest));
+            }
+        }
+        // What was not searched may hold a nearer hit.
+        for (doubt, is_doubtful) in [(0.9, true), (1.0, true), (1.1, false)] {
+            let answer = answer_of(bvh.patches(), [first].iter(), doubt);
+            assert_eq!(answer.doubtful, is_doubtful, "{doubt}");
+        }
+    }
+}
