@@ -52,8 +52,8 @@ pub struct Root {
     pub(crate) error: f64,
     /// The Bézier piece it was found on.
     pub(crate) piece: u32,
-    /// The part of `error` that is across the surface: the cosine of the angle between ray and
-    /// normal; 0 without a normal.
+    /// The part of `error` that is across the surface: as a rule the cosine of the angle between ray
+    /// and normal; 0 without a normal.
     pub(crate) cosine: f32,
     /// The surfaces it was found on; zero in place of an absent root.
     pub(crate) set: SetId,
@@ -86,6 +86,8 @@ impl Root {
     /// is flatter than the one that found the root, the root may be farther off along it.
     pub(super) fn seen_along(&self, cosine: f64, times: f64) -> Self {
         let across = self.across();
+        // In the plane of the surface, anywhere: the share across is then rounded to 0, as without a
+        // normal, and who asks must know better how far across the root is.
         let error = self.error.max((times * across / cosine.abs()).min(f64::MAX));
         Self::new(self.set, self.piece, self.st, error, across / error)
     }

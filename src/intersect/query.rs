@@ -46,9 +46,10 @@ impl Query {
     /// a gap, is met, or in doubt if it is no farther off than rounding.
     ///
     /// From a hit on an edge that two surfaces share, to within some roundings, the ray leaves both if
-    /// it goes through both in the same sense, in or out. A ray that leaves a surface so flatly that it
-    /// passes such an edge within rounding, if far away, is in doubt there. Where they are turned opposite ways, the answer is
-    /// in doubt; where such surfaces share only a vertex, the ray may pass the other one.
+    /// it goes through both in the same sense, in or out. Where they are turned opposite ways, the
+    /// answer is in doubt; where such surfaces share only a vertex, the ray may pass the other one. A
+    /// ray that leaves a surface so flatly that it passes such an edge within rounding, if far away, is
+    /// in doubt there.
     ///
     /// Where two surfaces coincide, as those of two solids that are cemented together, a ray that
     /// leaves one of them may meet the other at once, and a ray that leaves the other may meet the

@@ -30,8 +30,8 @@ use crate::math::{prefetch, rounding};
 /// units: its numerators `X` by bicubic polynomials in `x` and `y`, `fit`, and its weight `W`,
 /// which is 1 in the middle, by another one. A leaf has a weight of its own where the degrees are
 /// three at most, and the weights differ, but not too much (`MOST_WEIGHT`). In all other leaves `W`
-/// is 1, and `X` approximates `S` itself. The `WeightFit`s and the leaf's `OrientedBox` are kept elsewhere, beside those of its
-/// neighbours in space.
+/// is 1, and `X` approximates `S` itself. The `WeightFit`s and the leaf's `OrientedBox` are kept
+/// elsewhere, beside those of its neighbours in space.
 ///
 /// The distances of the surface's points from a plane through a ray, `n · (S − o)`, have the roots
 /// of `F = n · X + (n · (c − o)) W`, where `c` is the leaf's middle; the coefficients of `F` are

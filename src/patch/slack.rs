@@ -6,8 +6,8 @@ pub(crate) const LEAF_SLACK: f64 = 1e-3;
 
 /// A hit is at a border if it is within this many errors of it: 1.5 for a ray that passes the border
 /// at half an error and a root that is off by one, and as much again and more because distances
-/// taken from parameters only approximate those in space. (Fast kernels check the hits within twice as much, see
-/// [`Leaf::near_border`](super::Leaf::near_border).)
+/// taken from parameters only approximate those in space. (Fast kernels check the hits within twice
+/// as much, see [`Leaf::near_border`](super::Leaf::near_border).)
 pub(crate) const BORDER_REACH: f64 = 4.0;
 
 /// A leaf's certificate holds on its rectangle widened by this part of its sides: Newton's steps

@@ -152,7 +152,7 @@ impl<'a> BorderCurve<'a> {
     }
 
     /// The length of what trims keep of it: within some 1e-9 of it where the curve is smooth between
-    /// its knots.
+    /// its knots and does not stand still.
     pub(crate) fn kept_arc_length(&self) -> f64 {
         let intervals = self.samples.windows(2).map(|pair| [pair[0].t, pair[1].t]);
         let kept = intervals.flat_map(|interval| self.source.kept_within(interval));
@@ -160,7 +160,7 @@ impl<'a> BorderCurve<'a> {
     }
 
     /// The length of what trims keep of it, by the polyline through its samples.
-    pub(crate) fn kept_length(&self) -> f64 {
+    pub(crate) fn kept_polyline_length(&self) -> f64 {
         self.kept().map(|sample| sample.length).sum()
     }
 

@@ -59,7 +59,7 @@ impl Neighbours {
         for (curve, distances) in self.pair.into_iter().zip(&self.distances) {
             let samples = edges.curves[curve].1.samples();
             let near: f64 = distances.iter().map(|&(k, _)| samples[k].length).sum();
-            if near < SIDE_BY_SIDE * edges.curves[curve].1.kept_length() {
+            if near < SIDE_BY_SIDE * edges.curves[curve].1.kept_polyline_length() {
                 continue;
             }
             for &(k, distance) in distances {

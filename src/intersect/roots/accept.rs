@@ -400,7 +400,8 @@ fn on_ray<'a>(
     Err(if unexplained { Dropped::from(from, ray) } else { Dropped::Surely })
 }
 
-/// A ray that passes a border within this part of the error bound meets it for certain, or is in doubt.
+/// A ray that passes a border within this part of the largest distance allowed meets it for certain,
+/// or is in doubt.
 const MET: f64 = 0.5;
 
 /// Whether a ray through a pole may touch the surface there instead of crossing it.

@@ -32,6 +32,8 @@ pub(super) struct StartRoot<'a> {
     /// How far from the origin, along the ray that starts there, the true root may be: less than
     /// along the ray that found it, if that was grazing.
     pub(super) error: f64,
+    /// How far across the surface the true root may be, from the ray's origin and from the point.
+    across: f64,
     /// Error bound of a computed point.
     rounding: f64,
 }
@@ -59,7 +61,7 @@ impl<'a> StartRoot<'a> {
         // for nothing.
         let across = root.across().min(jet.point.distance(ray.origin) + rounding);
         let error = root.error.min(Root::START_OFF * across / cosine.abs());
-        Self { root, piece, jet, cosine, error, rounding }
+        Self { root, piece, jet, cosine, error, across, rounding }
     }
 
     /// How the ray goes through the surface here, compared with a place where `N · d` is `cosine`.
@@ -95,8 +97,8 @@ impl<'a> StartRoot<'a> {
             || matches!(piece.side(root.st, trim_reach(jet, at_trims)), Side::Edge { .. })
     }
 
-    /// Whether the root's error is no larger than it may be along this ray, which then is flatter on the
-    /// surface than the one that found the root, or not much steeper: see [`Root::seen_along`].
+    /// Whether the root's error is no larger than it may be along this ray, which then is flatter on
+    /// the surface than the one that found the root, or not much steeper: see [`Root::seen_along`].
     pub(super) fn is_flat(&self) -> bool {
         let along = Root::START_OFF * self.root.across() / self.cosine.abs();
         self.root.error <= ROUNDED_UP * along
@@ -123,7 +125,29 @@ impl<'a> StartRoot<'a> {
         borders.any(|side| distances[side].abs() <= SHARED * rounding)
             || matches!(piece.side(st, trim_reach(jet, rounding)), Side::Edge { .. })
     }
+
+    /// Whether an edge of the surface may pass a point, perhaps far from the start, that is known to
+    /// within `error`, and that the start's own error may lift off the surface.
+    pub(super) fn may_have_edge_at(&self, point: DVec3, error: f64) -> bool {
+        let Self { root, piece, mut jet, rounding, .. } = *self;
+        let mut st = root.st;
+        for _ in 0..STEPS {
+            st += step_towards(&jet, point - jet.point);
+            if !st.is_finite() {
+                return true; // at a pole
+            }
+            jet = piece.patch.jet(st);
+        }
+        let near = SHARED * rounding + self.across + error;
+        let distances = piece.side_distances(st, &jet);
+        let mut borders = RectSide::ALL.into_iter().filter(|side| piece.is_border(*side));
+        borders.any(|side| distances[side].abs() <= near)
+            || matches!(piece.side(st, trim_reach(&jet, near)), Side::Edge { .. })
+    }
 }
+
+/// Gauss–Newton steps to the place under a point, from a place near it.
+const STEPS: usize = 3;
 
 /// Whether a place is within this distance of a side of its piece.
 pub(super) fn is_at_side(piece: &Piece, st: DVec2, jet: &Jet, reach: f64) -> bool {

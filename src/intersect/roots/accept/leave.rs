@@ -109,12 +109,15 @@ impl Candidate<'_> {
             let is_doubtful = start.turn(&self.on_ray.spot, 0.0, z_error) == Turn::Opposite;
             return Err(if is_doubtful { Dropped::InDoubt(0.0) } else { Dropped::Surely });
         }
-        let is_in_doubt = if start.is_flat() {
-            is_at_place(farthest, SPARE * z_error) && start.has_edge_at(point)
-        } else {
-            is_at_place(farthest, most_off) && start.may_be_on_edge(most_off)
+        let are_near = sense == Sense::Same
+            && is_at_place(farthest, most_off)
+            && start.may_be_on_edge(most_off);
+        let is_passed = || {
+            start.is_flat()
+                && is_at_place(farthest, SPARE * z_error)
+                && start.may_have_edge_at(point, z_error)
         };
-        if is_in_doubt { Err(Dropped::InDoubt(0.0)) } else { Ok(()) }
+        if are_near || is_passed() { Err(Dropped::InDoubt(0.0)) } else { Ok(()) }
     }
 }
 
