@@ -85,11 +85,14 @@ impl Root {
     /// far across it from the true root, at most, as so many times the root's error there. If the ray
     /// is flatter than the one that found the root, the root may be farther off along it.
     pub(super) fn seen_along(&self, cosine: f64, times: f64) -> Self {
-        let across = self.across();
-        // In the plane of the surface, anywhere: the share across is then rounded to 0, as without a
-        // normal, and who asks must know better how far across the root is.
-        let error = self.error.max((times * across / cosine.abs()).min(f64::MAX));
-        Self::new(self.set, self.piece, self.st, error, across / error)
+        let error = times * self.across() / cosine.abs();
+        // Most are no flatter. This is done for every ray that leaves a hit.
+        if error <= self.error {
+            return *self;
+        }
+        // In the plane of the surface, anywhere: the share across is then 0, as without a normal, and
+        // who asks must know better how far across the root is.
+        Self::new(self.set, self.piece, self.st, error.min(f64::MAX), cosine / times)
     }
 
     /// How far across the surface the true root may be from that point, in scene units; without a

@@ -1,7 +1,9 @@
 //! What can be asked about: rays, and rays that leave a hit.
 
+use glam::DVec3;
+
 use super::hit::{Hit, Root, SPARE};
-use crate::math::Ray;
+use crate::math::{PLAIN_SQUARES, Ray};
 use crate::patch::PatchSet;
 
 /// A ray to trace and, if it is a secondary ray, the root it leaves.
@@ -72,8 +74,7 @@ impl Query {
                 return Self { ray, from: None };
             }
         }
-        let direction = ray.direction() / ray.direction().abs().max_element();
-        let cosine = hit.normal.dot(direction) / direction.length();
+        let cosine = cosine(hit.normal, ray.direction());
         let times = if is_there { 1.0 } else { Root::START_OFF };
         let root = if has_normal { hit.root.seen_along(cosine, times) } else { hit.root };
         Self { ray, from: Some(root) }
@@ -88,6 +89,17 @@ impl Query {
     pub fn start_root(&self) -> Option<&Root> {
         self.from.as_ref()
     }
+}
+
+/// The cosine between a unit vector and another one.
+#[inline]
+fn cosine(unit: DVec3, other: DVec3) -> f64 {
+    let squared = other.length_squared();
+    if PLAIN_SQUARES.contains(&squared) {
+        return unit.dot(other) / squared.sqrt();
+    }
+    let other = other / other.abs().max_element();
+    unit.dot(other) / other.length()
 }
 
 impl From<Ray> for Query {
