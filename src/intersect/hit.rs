@@ -86,7 +86,7 @@ impl Root {
     /// is flatter than the one that found the root, the root may be farther off along it.
     pub(super) fn seen_along(&self, cosine: f64, times: f64) -> Self {
         let error = times * self.across() / cosine.abs();
-        // Most are no flatter. This is done for every ray that leaves a hit.
+        // No flatter. This is done for every ray that leaves a hit, and so without more divisions.
         if error <= self.error {
             return *self;
         }
