@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::flags::HitFlags;
+use crate::math::{PLAIN_SQUARES, Ray};
 use crate::patch::SetId;
 
 /// One meeting of a ray and a surface, in f64.
@@ -81,18 +82,21 @@ impl Root {
     /// [`Query::leaving`](super::Query::leaving)), and the point is off by once that.
     pub(super) const START_OFF: f64 = 3.0;
 
-    /// The root, which has a normal, for a ray that meets the surface with this cosine and starts as
-    /// far across it from the true root, at most, as so many times the root's error there. If the ray
-    /// is flatter than the one that found the root, the root may be farther off along it.
-    pub(super) fn seen_along(&self, cosine: f64, times: f64) -> Self {
-        let error = times * self.across() / cosine.abs();
-        // No flatter. This is done for every ray that leaves a hit, and so without more divisions.
-        if error <= self.error {
-            return *self;
-        }
+    /// The root for a ray that leaves it, and starts as far across the surface from the true root,
+    /// at most, as so many times the root's error there. If the ray is flatter than the one that
+    /// found the root, the root may be farther off along it; without a normal that is not known.
+    #[inline(always)]
+    pub(super) fn seen_along(&self, ray: &Ray, normal: DVec3, times: f64) -> Self {
+        let share = f64::from(if self.cosine == 0.0 { 1.0 } else { self.cosine });
+        let cosine = cosine(normal, ray.direction());
+        let longer = times * share / cosine.abs();
+        let seen = Self::new(self.set, self.piece, self.st, self.error * longer, cosine / times);
+        // By selections, not a branch: which rays are flatter cannot be predicted. False for NaN.
+        let is_flatter = longer > 1.0;
         // In the plane of the surface, anywhere: the share across is then 0, as without a normal, and
         // who asks must know better how far across the root is.
-        Self::new(self.set, self.piece, self.st, error.min(f64::MAX), cosine / times)
+        let error = if is_flatter { seen.error.min(f64::MAX) } else { self.error };
+        Self { error, cosine: if is_flatter { seen.cosine } else { self.cosine }, ..*self }
     }
 
     /// How far across the surface the true root may be from that point, in scene units; without a
@@ -100,6 +104,17 @@ impl Root {
     pub(super) fn across(&self) -> f64 {
         if self.cosine == 0.0 { self.error } else { self.error * f64::from(self.cosine) }
     }
+}
+
+/// The cosine between a unit vector and another one.
+#[inline(always)]
+fn cosine(unit: DVec3, other: DVec3) -> f64 {
+    let squared = other.length_squared();
+    if PLAIN_SQUARES.contains(&squared) {
+        return unit.dot(other) / squared.sqrt();
+    }
+    let other = other / other.abs().max_element();
+    unit.dot(other) / other.length()
 }
 
 /// The first hit, or a proved miss (the default), or a doubtful answer. Answers compare as [`Hit`]s

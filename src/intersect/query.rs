@@ -1,9 +1,7 @@
 //! What can be asked about: rays, and rays that leave a hit.
 
-use glam::DVec3;
-
 use super::hit::{Hit, Root, SPARE};
-use crate::math::{PLAIN_SQUARES, Ray};
+use crate::math::Ray;
 use crate::patch::PatchSet;
 
 /// A ray to trace and, if it is a secondary ray, the root it leaves.
@@ -61,23 +59,26 @@ impl Query {
     /// Trimmed faces are closed: beside an edge of a body, within some errors of it, a ray may meet
     /// one of both faces only, or both in the same sense, in or out. One of these hits is flagged
     /// [`TRIM_EDGE`](super::HitFlags::TRIM_EDGE).
+    #[inline(always)] // else the query would be copied from where it was returned
     pub fn leaving(ray: Ray, hit: &Hit) -> Self {
-        let has_normal = !hit.normal.is_nan();
         // Most start there exactly: off the true root as the point is.
-        let is_there = ray.origin() == hit.point;
-        if !is_there {
-            let moved = ray.origin() - hit.point;
-            let across = if has_normal { moved.dot(hit.normal).abs() } else { moved.length() };
-            let is_off_surface = across > SPARE * hit.root.across();
-            let starts_there = moved.length() <= SPARE * hit.root.error && !is_off_surface;
-            if !starts_there {
-                return Self { ray, from: None };
-            }
-        }
-        let cosine = cosine(hit.normal, ray.direction());
-        let times = if is_there { 1.0 } else { Root::START_OFF };
-        let root = if has_normal { hit.root.seen_along(cosine, times) } else { hit.root };
-        Self { ray, from: Some(root) }
+        let from = if ray.origin() == hit.point {
+            Some(hit.root.seen_along(&ray, hit.normal, 1.0))
+        } else {
+            Self::start_near(&ray, hit)
+        };
+        Self { ray, from }
+    }
+
+    /// The root that a ray leaves if it starts near the point of a hit, not at it.
+    #[inline(never)]
+    fn start_near(ray: &Ray, hit: &Hit) -> Option<Root> {
+        let moved = ray.origin() - hit.point;
+        let has_normal = !hit.normal.is_nan();
+        let across = if has_normal { moved.dot(hit.normal).abs() } else { moved.length() };
+        let is_off_surface = across > SPARE * hit.root.across();
+        let starts_there = moved.length() <= SPARE * hit.root.error && !is_off_surface;
+        starts_there.then(|| hit.root.seen_along(ray, hit.normal, Root::START_OFF))
     }
 
     /// The ray.
@@ -89,17 +90,6 @@ impl Query {
     pub fn start_root(&self) -> Option<&Root> {
         self.from.as_ref()
     }
-}
-
-/// The cosine between a unit vector and another one.
-#[inline]
-fn cosine(unit: DVec3, other: DVec3) -> f64 {
-    let squared = other.length_squared();
-    if PLAIN_SQUARES.contains(&squared) {
-        return unit.dot(other) / squared.sqrt();
-    }
-    let other = other / other.abs().max_element();
-    unit.dot(other) / other.length()
 }
 
 impl From<Ray> for Query {

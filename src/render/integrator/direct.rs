@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_1_PI;
 use glam::DVec3;
 
 use super::Batch;
-use crate::intersect::{Coherence, Hit, Occlusion, Query, Tracer};
+use crate::intersect::{Coherence, Occlusion, Query, Tracer};
 use crate::math::Ray;
 use crate::render::Counters;
 use crate::scene::{Light, Rgb, World};
@@ -28,9 +28,8 @@ pub(crate) struct Direct {
 /// A hit about to be lit.
 #[derive(Clone, Copy, Debug)]
 struct Shaded {
-    /// Its place in the batch.
+    /// The place of its answer in the batch.
     index: usize,
-    hit: Hit,
     /// The unit normal on the viewer's side.
     normal: DVec3,
     albedo: Rgb,
@@ -39,8 +38,8 @@ struct Shaded {
 /// What a light brings if nothing is in the way.
 #[derive(Clone, Copy, Debug)]
 struct Brought {
-    /// The hit's place among the points.
-    point: usize,
+    /// The place of the hit's answer in the batch.
+    index: usize,
     radiance: Rgb,
 }
 
@@ -65,13 +64,13 @@ impl Direct {
     ) -> Counters {
         self.points.clear();
         for (index, (ray, answer)) in batch.rays.iter().zip(&batch.answers).enumerate() {
-            let Some(hit) = answer.hit else {
+            let Some(hit) = &answer.hit else {
                 batch.radiance.push(world.background);
                 continue;
             };
             batch.radiance.push([0.0; 3]);
             let normal = facing(hit.normal, ray.direction());
-            self.points.push(Shaded { index, hit, normal, albedo: world.albedo(&hit) });
+            self.points.push(Shaded { index, normal, albedo: world.albedo(hit) });
         }
 
         let mut counters = Counters::default();
@@ -84,12 +83,12 @@ impl Direct {
                     continue;
                 }
                 Light::Point { position, intensity } => {
-                    self.aim(|origin| Beam::from_point(position, intensity, origin));
+                    self.aim(batch, |origin| Beam::from_point(position, intensity, origin));
                     Some(position)
                 }
                 Light::Directional { to_light, irradiance } => {
                     let unit = to_light.normalize_or_zero();
-                    self.aim(|origin| {
+                    self.aim(batch, |origin| {
                         let ray = Ray::new(origin, to_light).ok()?;
                         Some(Beam { ray, to_light: unit, irradiance })
                     });
@@ -102,18 +101,19 @@ impl Direct {
     }
 
     /// Makes the shadow rays of all hits that a light, which sends `beam` to a place, may reach.
-    fn aim(&mut self, beam: impl Fn(DVec3) -> Option<Beam>) {
+    fn aim(&mut self, batch: &Batch, beam: impl Fn(DVec3) -> Option<Beam>) {
         let Self { points, shadows, brought, .. } = self;
         shadows.clear();
         brought.clear();
-        for (k, point) in points.iter().enumerate() {
-            let Some(Beam { ray, to_light, irradiance }) = beam(point.hit.point) else { continue };
-            let cosine = point.normal.dot(to_light);
-            let diffuse = product(point.albedo, irradiance).map(|x| x * (cosine * FRAC_1_PI));
+        for &Shaded { index, normal, albedo } in points.iter() {
+            let Some(hit) = &batch.answers[index].hit else { continue };
+            let Some(Beam { ray, to_light, irradiance }) = beam(hit.point) else { continue };
+            let cosine = normal.dot(to_light);
+            let diffuse = product(albedo, irradiance).map(|x| x * (cosine * FRAC_1_PI));
             // Not where the light stands behind the surface, or sends nothing. False for NaN.
             if cosine > 0.0 && irradiance.iter().any(|&x| x > 0.0) {
-                shadows.push(Query::leaving(ray, &point.hit));
-                brought.push(Brought { point: k, radiance: diffuse });
+                shadows.push(Query::leaving(ray, hit));
+                brought.push(Brought { index, radiance: diffuse });
             }
         }
     }
@@ -126,16 +126,16 @@ impl Direct {
         place: Option<DVec3>,
         batch: &mut Batch,
     ) -> Counters {
-        let Batch { radiance, doubtful, .. } = batch;
+        let Batch { answers, radiance, doubtful, .. } = batch;
         // Rays towards one light are as close together as their hits are.
         tracer.occlusions(&self.shadows, coherence, &mut self.hidden);
-        for (&Brought { point, radiance: brought }, hidden) in
+        for (&Brought { index, radiance: brought }, hidden) in
             self.brought.iter().zip(&mut self.hidden)
         {
-            let Shaded { index, hit, .. } = &self.points[point];
-            let index = *index;
             // A lamp may hang on a surface, which is not in its way.
-            if let Some(place) = place.filter(|_| hidden.doubtful) {
+            if hidden.doubtful
+                && let (Some(place), Some(hit)) = (place, &answers[index].hit)
+            {
                 *hidden = tracer.occluded_up_to(hit, place);
             }
             if !hidden.occluded {
