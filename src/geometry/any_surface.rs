@@ -248,6 +248,21 @@ impl Surface {
         }
     }
 
+    /// The surface with u and v exchanged, `S(v, u)`, which reverses its normals; those of a limit
+    /// surface are exchanged within each unit square. Trims are exchanged, too: the same part of
+    /// the surface is kept. Nothing is rounded.
+    ///
+    /// Of a triangular patch and of a limit surface this is the same as [`reversed`](Self::reversed).
+    #[must_use]
+    pub fn swapped(&self) -> Self {
+        match self {
+            Self::Nurbs(surface) => surface.swapped().into(),
+            Self::Trimmed(trimmed) => trimmed.swapped().into(),
+            Self::Triangle(patch) => patch.swapped().into(),
+            Self::Limit(surface) => surface.reversed().into(),
+        }
+    }
+
     /// The surface moved by an affine map; the parameters stay as they are.
     ///
     /// # Errors

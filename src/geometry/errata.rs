@@ -29,7 +29,8 @@
 //! - 3.3, "wrap the surface around the u-axis": the z axis is meant. For the knots `u_i = 1` the
 //!   indices are `4 ≤ i ≤ 7`; "4 <= 7" is printed. Tables 3 and 4 have u at the rows and v at the
 //!   columns, table 2 has them the other way round, so that the normals of the hemisphere point
-//!   inward and those of the sphere outward. [`shapes::sphere`].
+//!   inward and those of the sphere outward. [`shapes::sphere`]. In scenes, `swap_uv = true` gives
+//!   `hemisphere` and `octant` the u and v of the note.
 //!
 //! # Zhang
 //! Hongxin Zhang, *Computer Graphics 2016, 10. Spline and Surfaces*, State Key Lab of CAD&CG,

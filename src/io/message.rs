@@ -14,7 +14,7 @@ const KINDS: [(&str, &str); 5] = [
 
 /// Keys and names that stand in the wrong table, are in the wrong unit, or have another name here:
 /// the key, a key that this table does have, and what to write instead.
-const ELSEWHERE: [(&str, &str, &str); 34] = [
+const ELSEWHERE: [(&str, &str, &str); 40] = [
     ("radians", "degrees", "degrees = …"),
     ("fov", "perspective", "perspective = { fov = … }"),
     ("height", "orthographic", "orthographic = { height = … }"),
@@ -41,6 +41,12 @@ const ELSEWHERE: [(&str, &str, &str); 34] = [
     ("translate", "shape", "transform = [{ translate = [x, y, z] }]"),
     ("rotate", "shape", "transform = [{ rotate = { axis = \"z\", degrees = … } }]"),
     ("scale", "shape", "transform = [{ scale = … }]"),
+    ("swap", "shape", "swap_uv = true"),
+    ("exchange_uv", "shape", "swap_uv = true"),
+    ("transpose", "shape", "swap_uv = true"),
+    ("swap_uv", "knots_u", "it under [[object]], above the tables of its shape"),
+    ("swap_uv", "profile", "it under [[object]], above the tables of its shape"),
+    ("swap_uv", "radius", "it under [[object]], above the tables of its shape"),
     ("transform", "knots_u", "it under [[object]], above the tables of its shape"),
     ("material", "knots_u", "it under [[object]], above the tables of its shape"),
     ("transform", "profile", "it under [[object]], above the tables of its shape"),

@@ -51,6 +51,7 @@
 //! shape = { torus = { major = 1, minor = 0.25 } }
 //! material = "clay"
 //! reverse = false                        # true turns its surfaces inside out, see below
+//! swap_uv = false                        # true exchanges their u and v, see below
 //! transform = [                          # the first one first
 //!     { scale = 0.8 },                   # or [x, y, z]
 //!     { rotate = { axis = "x", degrees = 60 } },
@@ -68,9 +69,18 @@
 //!
 //! With `reverse = true` the normals of an object's surfaces point to the other side: NURBS
 //! surfaces run backwards in u; in triangular patches, and in each unit square of subdivision
-//! surfaces, u and v are exchanged. The `trims` of the object are written in the (u, v) that its
-//! shape has without `reverse`; everything else (textures, `iso_curves`, plots, hits) refers to the
-//! (u, v) after it.
+//! surfaces, u and v are exchanged.
+//!
+//! With `swap_uv = true` u and v of an object's surfaces are exchanged: what was at (u, v) is at
+//! (v, u). So a control net is read as where it comes from lists it, with u along its rows. (In
+//! subdivision surfaces it is done within each unit square.) As u and v make the normals, these
+//! point to the other side, too; with `reverse = true` besides, they point where they pointed
+//! before, as a NURBS surface then runs backwards in what has become its u. For triangular patches
+//! and subdivision surfaces each of the two keys does the same, and both together nothing.
+//!
+//! The `trims` of an object are written in the (u, v) that its shape has without `reverse` and
+//! `swap_uv`, so that either keeps the same part of the surface; everything else (textures,
+//! `iso_curves`, plots, hits) refers to the (u, v) after them.
 //!
 //! # Shapes
 //!
@@ -110,7 +120,9 @@
 //! around, from `+x` over `+y`; on `sphere_biquadratic`, `octant`, cylinder and cone u around, v
 //! up; on the torus u around the axis, v around the tube; on the disk u from the centre out, v
 //! around; on the plane u along x, v along y. Normals, `S_u × S_v`, point outward, and up. Where a
-//! `transform` mirrors, the normals of bodies point inward: `reverse = true` turns them back.
+//! `transform` mirrors, the normals of bodies point inward: `reverse = true` turns them back. With
+//! `swap_uv = true`, hemisphere and octant have the u and v of Eberly's note, and `deck_patch` has
+//! those of the OpenGL call for its net (see [errata](crate::geometry::errata)).
 //!
 //! A shape from a model file, relative to the scene: geomdl's JSON ([`geomdl`](super::geomdl) says
 //! what is read), or a cage in an OBJ file ([`obj`](super::obj)), which stands for its

@@ -89,6 +89,11 @@ fn trims_are_where_they_should_be_and_what_they_keep_is_filled() {
     let sandbox = Sandbox::with(&[
         ("s.toml", TRIMMED),
         ("r.toml", &TRIMMED.replace("[object.trims]", "reverse = true\n[object.trims]")),
+        ("x.toml", &TRIMMED.replace("[object.trims]", "swap_uv = true\n[object.trims]")),
+        (
+            "xr.toml",
+            &TRIMMED.replace("[object.trims]", "swap_uv = true\nreverse = true\n[object.trims]"),
+        ),
         ("c.toml", &TRIMMED.replace("[0.4, 0.6]] }", "[0.4, 0.6], [0.4, 0.4]] }")),
     ]);
     sandbox.run("plot s.toml -o s.svg").succeeded();
@@ -104,6 +109,22 @@ fn trims_are_where_they_should_be_and_what_they_keep_is_filled() {
         curve[curve.len() / 2][0] - curve[0][0]
     };
     assert!(bulge(&chosen) > 5.0 && (bulge(&chosen) + bulge(&mirrored)).abs() < 0.1);
+    // With u and v exchanged, what bulged to the right bulges up; on the paper y runs down.
+    let rise = |svg: &str| {
+        let curve = polylines(svg, GREEN, CURVE)[0].clone();
+        let chord =
+            [curve[curve.len() - 1][0] - curve[0][0], curve[curve.len() - 1][1] - curve[0][1]];
+        let middle = curve[curve.len() / 2];
+        [middle[0] - curve[0][0] - 0.5 * chord[0], middle[1] - curve[0][1] - 0.5 * chord[1]]
+    };
+    for name in ["x", "xr"] {
+        sandbox.run(&format!("plot {name}.toml -o {name}.svg")).succeeded();
+        let svg = String::from_utf8(sandbox.bytes(&format!("{name}.svg"))).unwrap();
+        let ([right, _], [_, down]) = (rise(&chosen), rise(&svg));
+        assert!(right > 5.0 && down < -3.0, "{name}: {right} {down}");
+        let [kept, as_written] = [&svg, &chosen].map(|svg| areas(svg, KEPT).len());
+        assert_eq!(kept, as_written, "{name}");
+    }
 }
 
 #[test]

@@ -19,7 +19,7 @@ mod random;
 use std::f64::consts::TAU;
 
 use glam::{DAffine3, DQuat, DVec2, DVec3};
-use nurbray::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
+use nurbray::geometry::trim::{Kept, Side, TrimDomain, TrimLoop, Trims};
 use nurbray::geometry::{NurbsSurface, Surface, TrimmedSurface, shapes};
 use nurbray::intersect::{Hit, HitFlags, Kernel, Query};
 use nurbray::math::Ray;
@@ -429,6 +429,44 @@ fn trims_are_mirrored_with_their_surface() {
     }
     assert_eq!(mirrored.reversed_u().trims().segment_count(), part.trims().segment_count());
     assert_eq!(mirrored.trims().loop_count(), part.trims().loop_count());
+}
+
+#[test]
+fn trims_are_exchanged_with_u_and_v_of_their_surface() {
+    // The base of a cone's side is no pole, its tip is one; and it has a seam.
+    for surface in [shapes::cylinder(1.0, 1.0).unwrap(), shapes::cone(1.0, 1.0).unwrap()] {
+        let part = trimmed(
+            surface,
+            Kept::Odd,
+            &[polygon(&[(-0.1, 0.1), (0.3, 0.2), (0.2, 0.9)]), circle(0.6, 0.5, 0.1)],
+        );
+        let swapped = part.swapped();
+        assert_eq!(swapped.surface(), &part.surface().swapped());
+        let [domain, there] = [&part, &swapped].map(|one| one.trims().domain());
+        let expected = TrimDomain::with_seams_of(&part.surface().swapped()).unwrap();
+        assert_eq!((there, there.range()[0]), (expected, domain.range()[1]));
+        let [[u0, u1], _] = part.surface().domain();
+        let mut random = Random::new(12);
+        for _ in 0..5000 {
+            let uv = DVec2::new(random.between(u0, u1), random.unit());
+            let vu = DVec2::new(uv.y, uv.x);
+            assert_eq!(part.trims().side_of(uv), swapped_side(swapped.trims().side_of(vu)), "{uv}");
+        }
+        let back = swapped.swapped();
+        assert_eq!(back.surface(), part.surface());
+        assert_eq!(back.trims().segment_count(), part.trims().segment_count());
+        assert_eq!(swapped.trims().loop_count(), part.trims().loop_count());
+    }
+}
+
+/// The same side, its distance in u and in v exchanged.
+fn swapped_side(side: Side) -> Side {
+    match side {
+        Side::Edge { inside, distance } => {
+            Side::Edge { inside, distance: DVec2::new(distance.y, distance.x) }
+        }
+        other => other,
+    }
 }
 
 /// At a pole all parameters of a side are one point. The point is there if any of them is kept,

@@ -156,7 +156,7 @@ fn plotted(scene: &Scene, instance: &Instance) -> Result<PlottedSurface, Failure
     let [object, part] = instance.part;
     let object = &scene.objects[object];
     let surface = instance.surface.clone();
-    PlottedSurface::new(&instance.name, surface, &object.parts[part], object.reverse).or_bad_input()
+    PlottedSurface::of(&instance.name, surface, &object.parts[part], object).or_bad_input()
 }
 
 /// Adds a user of a thing that others may use, too.

@@ -86,6 +86,14 @@ impl TrimDomain {
         self
     }
 
+    /// The domain with u and v exchanged.
+    pub(super) fn swapped(mut self) -> Self {
+        self.range.reverse();
+        self.periodic.reverse();
+        self.poles.rotate_left(2);
+        self
+    }
+
     /// The ranges `[start, end]` in u and in v.
     pub fn range(&self) -> [[f64; 2]; 2] {
         self.range

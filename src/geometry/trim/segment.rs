@@ -1,6 +1,6 @@
 //! Segments of trim curves, monotone in u and in v.
 
-use glam::{DVec2, DVec3, Vec3Swizzles};
+use glam::{DVec2, DVec3, Vec2Swizzles, Vec3Swizzles};
 
 use super::UvBox;
 use super::window_curve::Stretch;
@@ -469,6 +469,17 @@ impl Segment {
         let largest = largest.chain(self.ends.map(|end| end.x.abs())).fold(0.0, f64::max);
         let rounding = 4.0 * UNIT_ROUNDOFF * (new[0].abs() + range[1].abs() + largest);
         Self::held(ends, control, self.reach + DVec2::new(rounding, 0.0))
+    }
+
+    /// The segment with u and v exchanged; `None` if it is a point, as no segment is. Nothing is
+    /// rounded.
+    pub(super) fn swapped(&self) -> Option<Self> {
+        let ends = self.directed_ends().map(DVec2::yx);
+        let mut control: Vec<DVec3> = self.control.iter().map(|c| c.yxz()).collect();
+        if !self.forward {
+            control.reverse();
+        }
+        Self::held(ends, control, self.reach.yx())
     }
 
     /// Increases the error bound of the segment by this much.

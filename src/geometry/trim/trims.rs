@@ -306,16 +306,27 @@ impl Trims {
     #[must_use]
     pub(crate) fn reversed_u(&self, new: [f64; 2]) -> Self {
         let [range, _] = self.domain.range();
+        self.mapped(self.domain.reversed_u(new), |one| one.mirrored_u(range, new))
+    }
+
+    /// The same loops on the domain with u and v exchanged.
+    #[must_use]
+    pub(crate) fn swapped(&self) -> Self {
+        self.mapped(self.domain.swapped(), Segment::swapped)
+    }
+
+    /// The same loops on a domain that a map makes of this one, which takes segments to segments
+    /// that share their ends as before, or to none.
+    fn mapped(&self, domain: TrimDomain, map: impl Fn(&Segment) -> Option<Segment>) -> Self {
         let (mut segments, mut loops) = (Vec::with_capacity(self.segments.len()), Vec::new());
         for segments_of_loop in self.loop_segments() {
             let first = segments.len();
-            segments.extend(segments_of_loop.iter().filter_map(|one| one.mirrored_u(range, new)));
+            segments.extend(segments_of_loop.iter().filter_map(&map));
             if segments.len() > first {
                 loops.push(first..segments.len());
             }
         }
         let tree = Tree::new(&segments, &loops);
-        let domain = self.domain.reversed_u(new);
         look_for_border(&domain, &mut segments);
         Self { domain, segments, loops, tree, ..*self }
     }

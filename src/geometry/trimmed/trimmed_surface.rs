@@ -63,6 +63,13 @@ impl TrimmedSurface {
         Self { surface, trims }
     }
 
+    /// The surface and its trims with u and v exchanged, which reverses the normals and keeps the
+    /// same part of the surface.
+    #[must_use]
+    pub fn swapped(&self) -> Self {
+        Self { surface: self.surface.swapped(), trims: Arc::new(self.trims.swapped()) }
+    }
+
     /// The surface moved by an affine map; parameters and trims stay as they are.
     ///
     /// # Errors

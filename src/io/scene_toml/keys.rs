@@ -167,6 +167,8 @@ pub(super) struct ObjectKeys {
     pub(super) transform: Vec<OneOf<TransformKeys>>,
     #[serde(default)]
     pub(super) reverse: bool,
+    #[serde(default)]
+    pub(super) swap_uv: bool,
 }
 
 #[derive(Deserialize)]

@@ -27,8 +27,8 @@ impl Reader<'_, '_> {
         if let Some(trims) = keys.trims {
             self.trim(trims, &mut parts)?;
         }
-        let reverse = keys.reverse;
-        Ok(Object { name, default_name, parts, transform, material, reverse })
+        let (reverse, swap_uv) = (keys.reverse, keys.swap_uv);
+        Ok(Object { name, default_name, parts, transform, material, reverse, swap_uv })
     }
 
     pub(super) fn transform(&self, OneOf(step): OneOf<TransformKeys>) -> Written<Transform> {

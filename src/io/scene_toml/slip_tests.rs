@@ -33,6 +33,13 @@ fn what_is_often_written_otherwise_is_shown() {
             "[[object]]\nshape = { revolution = { profile = [[1, 0], [1, 2]] } }",
             "4:36: found a list, needed a table, as in profile = { polyline = […] }",
         ),
+        ("swap_vu = true", "3:1: unknown key \"swap_vu\"; did you mean \"swap_uv\"?"),
+        ("swapuv = true", "3:1: unknown key \"swapuv\"; did you mean \"swap_uv\"?"),
+        ("transpose = true", "3:1: unknown key \"transpose\"; write swap_uv = true"),
+        (
+            "[[object]]\n[object.shape.nurbs]\ndegree = 1\nswap_uv = true",
+            "6:1: unknown key \"swap_uv\"; write it under [[object]], above the tables of its shape",
+        ),
         (
             "[camera]\nzoom = 2\nangle = 30",
             "4:1: unknown key \"zoom\"; known: look_from, look_at, up, perspective, orthographic",

@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::geometry::Surface;
 use crate::intersect::{HitFlags, Query};
 use crate::io::read_scene;
 use crate::math::Ray;
@@ -88,6 +89,116 @@ fn trims_are_written_as_without_reverse_and_all_else_counts_after() {
         });
         let exchanged = plain.surface.point_at(DVec2::new(unit + 0.5, 0.25));
         assert_eq!(turned.surface.point_at(DVec2::new(unit + 0.25, 0.5)), exchanged, "{shape}");
+    }
+}
+
+/// As the documentation of `swap_uv` says.
+#[test]
+fn trims_are_written_as_without_swap_uv_and_all_else_counts_after() {
+    let left = "loops = [{ polygon = [[0.1, 0.2], [0.4, 0.2], [0.4, 0.9], [0.1, 0.9]] }]";
+    let plain = plane(left);
+    let surface = |keys: &str| {
+        let text = plain.replace("shape =", &format!("{keys}\nshape ="));
+        World::new(&scene(&text).unwrap()).unwrap().surfaces.remove(0).surface
+    };
+    let as_written = surface("");
+    let place = DVec2::new(0.25, 0.85);
+    let both = "swap_uv = true\nreverse = true";
+    for (keys, there, side) in [
+        ("swap_uv = true", DVec2::new(0.85, 0.25), DVec3::NEG_Z),
+        // Exchanged first: it then runs backwards in what was v.
+        (both, DVec2::new(1.0 - 0.85, 0.25), DVec3::Z),
+    ] {
+        let turned = surface(keys);
+        assert_eq!(turned.point_at(there), as_written.point_at(place), "{keys}");
+        assert_eq!(turned.normal(there), Some(side), "{keys}");
+        let sheet = turned.trimmed().unwrap();
+        assert!(sheet.keeps(there) && !sheet.keeps(place), "{keys}");
+        // What runs backwards is rounded, what is exchanged is not.
+        let [kept, expected] = [&turned, &as_written].map(Surface::extent);
+        let off = (kept.min - expected.min).abs().max((kept.max - expected.max).abs());
+        let allowed = if keys == both { 1e-15 } else { 0.0 };
+        assert!(off.max_element() <= allowed, "{keys}: {off}");
+    }
+    let line = "[[object]]\nshape.iso_curves = { of = 'sheet', u = [0.85], radius = 0.01 }";
+    let swapped = plain.replace("shape =", "swap_uv = true\nshape =");
+    assert!(World::new(&scene(&format!("{swapped}{line}")).unwrap()).is_ok());
+    assert!(error(&format!("{plain}{line}")).contains("the line u = 0.85 lies where trims keep"));
+}
+
+#[test]
+fn either_key_exchanges_u_and_v_of_triangles_and_unit_squares_and_both_do_nothing() {
+    for (shape, unit) in [
+        ("triangle = { degree = 1, points = [[0, 0, 0], [0, 1, 0], [1, 0, 0]] }", 0.0),
+        (
+            "catmull_clark = { points = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [2, 1, 0], [1, 1, 0], \
+             [0, 1, 0]], faces = [[0, 1, 4, 5], [1, 2, 3, 4]] }",
+            1.0,
+        ),
+    ] {
+        let surface = |keys: &str| {
+            let text = format!("[[object]]\nshape = {{ {shape} }}\n{keys}");
+            World::new(&scene(&text).unwrap()).unwrap().surfaces.remove(0).surface
+        };
+        let [plain, swapped] = ["", "swap_uv = true"].map(surface);
+        let [uv, vu] = [[0.5, 0.25], [0.25, 0.5]].map(|[u, v]| DVec2::new(unit + u, v));
+        assert_eq!(swapped.point_at(vu), plain.point_at(uv), "{shape}");
+        assert_eq!(swapped.normal(vu), plain.normal(uv).map(|normal| -normal), "{shape}");
+        assert_eq!(swapped, surface("reverse = true"), "{shape}");
+        assert_eq!(surface("swap_uv = true\nreverse = true"), plain, "{shape}");
+    }
+}
+
+/// The parameters of the documents, by their own formulas: Eberly's octant and the rows of his
+/// table 2, and the net of the OpenGL books, whose u runs along the inner index.
+#[test]
+fn swapped_shapes_have_the_parameters_of_their_sources() {
+    let surface = |shape: &str| {
+        let text = format!("[[object]]\nshape = '{shape}'\nswap_uv = true");
+        World::new(&scene(&text).unwrap()).unwrap().surfaces.remove(0).surface
+    };
+    let bernstein = |t: f64| {
+        let s = 1.0 - t;
+        [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t]
+    };
+    let (octant, hemisphere, deck) =
+        (surface("octant"), surface("hemisphere"), surface("deck_patch"));
+    let third = 1.0 / 3.0;
+    // Rows of table 2 are those of v, columns those of u; x, y, z and the weight.
+    let table = [1.0, -1.0].map(|z| {
+        let pole = [1.0, third, third, 1.0].map(|w| [0.0, 0.0, z, w]);
+        let belt = [[2.0, 0.0, z, third], [2.0, 4.0, z, 1.0 / 9.0]];
+        let [[x0, y0, ..], [x1, y1, ..]] = belt;
+        (pole, [belt[0], belt[1], [-x1, y1, z, 1.0 / 9.0], [-x0, y0, z, third]])
+    });
+    let [(north, upper), (south, lower)] = table;
+    let table = [north, upper, lower, south];
+    let heights: [[f64; 4]; 4] = [
+        [4.0, 2.0, -1.0, 2.0],
+        [1.0, 3.0, 0.0, -1.0],
+        [4.0, 0.0, 3.0, 4.0],
+        [-2.0, -2.0, 0.0, -1.0],
+    ];
+    for k in 0..=24 {
+        let (u, v) = (f64::from(k % 5) / 4.0, f64::from(k / 5) / 4.0);
+        let uv = DVec2::new(u, v);
+        let over = (1.0 + u * u) * (1.0 + v * v);
+        let (ru, rv) = (1.0 - u * u, 1.0 - v * v);
+        let note = DVec3::new(ru * rv, ru * 2.0 * v, 2.0 * u * (1.0 + v * v)) / over;
+        assert!(octant.point_at(uv).distance(note) < 1e-15, "octant at {uv}");
+
+        let (mut sum, mut weight, mut height) = (DVec3::ZERO, 0.0, 0.0);
+        for (i, of_v) in bernstein(v).into_iter().enumerate() {
+            for (j, of_u) in bernstein(u).into_iter().enumerate() {
+                let [x, y, z, w] = table[i][j];
+                sum += of_v * of_u * w * DVec3::new(x, y, z);
+                weight += of_v * of_u * w;
+                height += of_v * of_u * heights[i][j];
+            }
+        }
+        assert!(hemisphere.point_at(uv).distance(sum / weight) < 1e-15, "hemisphere at {uv}");
+        let graph = DVec3::new(3.0 * u - 1.5, 3.0 * v - 1.5, height);
+        assert!(deck.point_at(uv).distance(graph) < 1e-14, "deck_patch at {uv}");
     }
 }
 

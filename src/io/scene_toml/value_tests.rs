@@ -87,6 +87,7 @@ fn wrong_values_say_what_is_needed() {
             "3:25: object \"sphere\": the matrix flattens space: its determinant is 0 within rounding",
         ),
         ("reverse = 1", "3:11: found integer 1, needed true or false"),
+        ("swap_uv = 'v'", "3:11: found string \"v\", needed true or false"),
         (
             "[render]\nsize = [0, 600]",
             "4:8: size 0x600: a picture needs at least one pixel each way",

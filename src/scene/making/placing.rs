@@ -98,8 +98,8 @@ impl Placer<'_> {
         Ok(vec![surface.into()])
     }
 
-    /// All surfaces of an object, which errors call `called`: in their places, and turned if the
-    /// object is reversed, each with the number of its part.
+    /// All surfaces of an object, which errors call `called`: in their places, with u and v
+    /// exchanged and turned if the object says so, each with the number of its part.
     pub(in crate::scene) fn surfaces(
         &self,
         called: &str,
@@ -115,6 +115,9 @@ impl Placer<'_> {
                 part => format!("{called}/{part}"),
             };
             for mut made in self.place(&name, part, (object, &world_from_object))? {
+                if object.swap_uv {
+                    made.surface = made.surface.swapped();
+                }
                 if object.reverse {
                     made.surface = made.surface.reversed();
                 }

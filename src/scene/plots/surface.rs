@@ -7,7 +7,9 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use crate::geometry::{CurveError, NurbsCurve, Surface};
 use crate::scene::errors::{PlotError, SceneError};
 use crate::scene::making::{Placer, loop_curve, trim_curve_error};
-use crate::scene::written::{CurveKind, LoopKind, LoopSpec, ObjectSpec, Part, Place, Scene};
+use crate::scene::written::{
+    CurveKind, LoopKind, LoopSpec, Object, ObjectSpec, Part, Place, Scene,
+};
 
 /// A surface to plot.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,7 +46,8 @@ impl PlottedSurface {
     /// How many curves of constant parameter are drawn between two borders, if not given.
     pub const LINES: usize = 3;
 
-    /// A surface of this name, made of a part of an object that is `reversed` or not.
+    /// A surface of this name, made of a part of an object that is `reversed` or not, and whose u
+    /// and v are not exchanged.
     ///
     /// # Errors
     /// When the numbers of a loop do not make a curve.
@@ -54,6 +57,19 @@ impl PlottedSurface {
         part: &Part,
         reversed: bool,
     ) -> Result<Self, SceneError> {
+        Self::of(name, surface, part, &Object { reverse: reversed, ..Object::default() })
+    }
+
+    /// A surface of this name, made of a part of an object.
+    ///
+    /// # Errors
+    /// When the numbers of a loop do not make a curve.
+    pub fn of(
+        name: &str,
+        surface: Surface,
+        part: &Part,
+        object: &Object,
+    ) -> Result<Self, SceneError> {
         let Some(trims) = &part.trims else { return Ok(Self { surface, loops: Vec::new() }) };
         let curves_of = |(index, one): (usize, &LoopSpec)| one.curves(name, index);
         let mut loops = trims
@@ -62,14 +78,22 @@ impl PlottedSurface {
             .enumerate()
             .map(curves_of)
             .collect::<Result<Vec<Vec<LoopCurve>>, _>>()?;
-        if reversed {
-            // Like the surface's own trims: a point at u is then as far from the other end.
+        // Like the surface's own trims.
+        let mut from_written = DAffine3::IDENTITY;
+        if object.swap_uv {
+            from_written = DAffine3::from_mat3(DMat3::from_cols(DVec3::Y, DVec3::X, DVec3::Z));
+        }
+        if object.reverse {
+            // A point at u is then as far from the other end.
             let ([[start, _], _], [[_, end], _]) = (surface.domain(), surface.reversed().domain());
             let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
             let mirror = DAffine3::from_mat3_translation(mirror, (start + end) * DVec3::X);
+            from_written = mirror * from_written;
+        }
+        if from_written != DAffine3::IDENTITY {
             for (index, (one, written)) in loops.iter_mut().zip(&trims.loops).enumerate() {
                 for (at, LoopCurve { curve, .. }) in one.iter_mut().enumerate() {
-                    *curve = curve.transformed(&mirror).map_err(|error| {
+                    *curve = curve.transformed(&from_written).map_err(|error| {
                         trim_curve_error(name, [index, at], &written.place, error.into())
                     })?;
                 }
@@ -115,7 +139,7 @@ impl ObjectSpec {
         let made = made.into_iter().enumerate();
         let made = made.filter(|(index, _)| wanted.is_none_or(|wanted| wanted == *index));
         let plotted = made.map(|(_, (part, made))| {
-            PlottedSurface::new(&self.of.value, made.surface, &object.parts[part], object.reverse)
+            PlottedSurface::of(&self.of.value, made.surface, &object.parts[part], object)
         });
         plotted.collect()
     }

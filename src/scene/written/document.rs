@@ -55,6 +55,8 @@ pub struct Object {
     pub material: Option<Written<String>>,
     /// Whether its surfaces are turned inside out.
     pub reverse: bool,
+    /// Whether u and v of its surfaces are exchanged; before they are turned, if they are.
+    pub swap_uv: bool,
 }
 
 impl Default for Object {
@@ -67,6 +69,7 @@ impl Default for Object {
             transform: Vec::new(),
             material: None,
             reverse: false,
+            swap_uv: false,
         }
     }
 }
