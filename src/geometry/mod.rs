@@ -80,6 +80,8 @@ pub(crate) use polygon::{Extraction, Extractions};
 pub use polygon::{bernstein, de_casteljau, split_bezier};
 pub use rect_side::RectSide;
 pub(crate) use surface::BezierForm;
-pub use surface::{NurbsSurface, SurfaceCurvature, SurfaceDerivatives, SurfaceError, matrix_patch};
+pub use surface::{
+    NurbsSurface, SurfaceCurvature, SurfaceDerivatives, SurfaceError, matrix_patch, matrix_surface,
+};
 pub use triangle::{TriangleError, TrianglePatch, TriangleQuarter, TriangleSide};
 pub use trimmed::{TrimEdge, TrimmedSurface};

@@ -66,7 +66,7 @@ const ELSEWHERE: [(&str, &str, &str); 40] = [
 ];
 
 /// Names of curves, which have tables of their own.
-const CURVES: [&str; 12] = [
+const CURVES: [&str; 13] = [
     "nurbs",
     "polyline",
     "bezier",
@@ -74,6 +74,7 @@ const CURVES: [&str; 12] = [
     "bspline",
     "catmull_rom",
     "hermite",
+    "matrix_form",
     "circle",
     "arc",
     "note_circle",
@@ -90,7 +91,7 @@ const AROUND_CURVES: [(&str, [&str; 2]); 3] = [
 ];
 
 /// Keys whose values are often written as another kind of value, and what these look like.
-const EXAMPLES: [(&str, &str); 28] = [
+const EXAMPLES: [(&str, &str); 30] = [
     ("perspective", "{ fov = 30 }"),
     ("orthographic", "{ height = 4 }"),
     ("directional", "{ from = [-2, -3, 4], irradiance = 2.5 }"),
@@ -104,6 +105,8 @@ const EXAMPLES: [(&str, &str); 28] = [
     ("bspline", "{ degree = 3, points = […] }"),
     ("catmull_rom", "{ points = […] }"),
     ("hermite", "{ points = […], derivatives = […] }"),
+    ("matrix_form", "{ form = \"hermite\", geometry = […] }"),
+    ("form", "\"hermite\""),
     ("circle", "{ center = [0, 0], radius = 1 }"),
     ("arc", "{ radius = 1, degrees = 90 }"),
     ("curve", "{ bezier = […] }"),

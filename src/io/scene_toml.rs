@@ -154,6 +154,27 @@
 //! weights = [[1, 1], [0.7, 0.7], [1, 1]] # all 1 if not given
 //! ```
 //!
+//! A patch in matrix form, `S(u, v) = [u³ u² u 1] M G Mᵀ [v³ v² v 1]ᵀ`, by the name of the form and
+//! its geometry matrix G: one row for each u, along which v runs. Both u and v run from 0 to 1.
+//!
+//! ```toml
+//! [[object]]
+//! name = "cushion"
+//! [object.shape.matrix_form]
+//! form = "hermite"                       # or bezier, bspline, catmull_rom
+//! geometry = [
+//!     [[0, 0, 0], [0, 1, 0], [0, 1, 1], [0, 1, -1]], # S at (0, 0) and (0, 1), and S_v there
+//!     [[1, 0, 0], [1, 1, 0], [0, 1, 1], [0, 1, -1]], # the same at u = 1
+//!     [[1, 0, 1], [1, 0, 1], [0, 0, 0], [0, 0, 0]],  # S_u there, and S_uv
+//!     [[1, 0, -1], [1, 0, -1], [0, 0, 0], [0, 0, 0]],
+//! ]
+//! ```
+//!
+//! In the forms `bezier` and `bspline` G has control points, as many rows as the degree in u, and
+//! columns as the degree in v, and one more: two, three or four. A `bspline` patch is one piece of
+//! a surface of uniform knots, and need not meet any of its points. A `catmull_rom` patch meets the
+//! inner four of its 4 × 4 points.
+//!
 //! A triangular Bézier patch. The control points of degree n are named by exponents
 //! (i, j, k) with i + j + k = n, and listed with i slowest, then j: from the corner w = 1 to
 //! v = 1, then the rows beside that, up to the corner u = 1 alone.
@@ -215,10 +236,12 @@
 mod cages;
 mod constructions;
 mod curves;
+mod forms;
 mod keys;
 mod kinds;
 mod knot_list;
 mod objects;
+mod patches;
 mod plots;
 mod slips;
 mod transforms;
@@ -447,6 +470,8 @@ impl Reader<'_, '_> {
     }
 }
 
+#[cfg(test)]
+mod form_tests;
 #[cfg(test)]
 mod object_tests;
 #[cfg(test)]

@@ -159,6 +159,19 @@ pub enum CurveError {
         /// The number of points.
         points: usize,
     },
+    /// A segment in matrix form has as many vectors as none of that form has.
+    #[error(
+        "{} in the geometry of a segment: the form {form} takes {needed}",
+        Counted(*.found, "vector")
+    )]
+    GeometryCount {
+        /// The name of the form.
+        form: &'static str,
+        /// The number of vectors given.
+        found: usize,
+        /// How many the form takes.
+        needed: &'static str,
+    },
     /// An end point is to occur more often than makes a difference, or zero times.
     #[error("an end point {times} times: from 1 to {most} times are possible")]
     Repeated {

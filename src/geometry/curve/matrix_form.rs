@@ -1,13 +1,17 @@
-//! Cubic segments in matrix form, `C(t) = [t³ t² t 1] M G`, and the splines made of them.
+//! Segments in matrix form, most of them cubic, `C(t) = [t³ t² t 1] M G`, and the splines made of
+//! them.
 //!
 //! A surface is `S M G Mᵀ Tᵀ`, and the blending functions `B = Mᵀ Tᵀ` are B₀ to B₃.
+
+use std::ops::RangeInclusive;
 
 use glam::{DVec3, DVec4};
 
 use super::{CurveError, NurbsCurve};
 use crate::geometry::KnotVector;
 
-/// The meaning of the four vectors `G` that define a cubic segment.
+/// The meaning of the vectors `G` that define a segment: four for a cubic one. Bézier and B-spline
+/// segments may also have the degrees 1 and 2, with two and three control points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatrixForm {
     /// Four control points.
@@ -38,6 +42,37 @@ impl MatrixForm {
         whole.map(|row: [i32; 4]| row.map(|entry| f64::from(entry) / over))
     }
 
+    /// Its name, as scenes write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bezier => "bezier",
+            Self::BSpline => "bspline",
+            Self::Hermite => "hermite",
+            Self::CatmullRom => "catmull_rom",
+        }
+    }
+
+    /// The degrees that its segments may have. One of degree `n` is defined by `n + 1` vectors.
+    pub fn degrees(self) -> RangeInclusive<usize> {
+        match self {
+            Self::Bezier | Self::BSpline => 1..=3,
+            Self::Hermite | Self::CatmullRom => 3..=3,
+        }
+    }
+
+    /// The matrix `M` of a degree: rows for the powers of `t`, the highest first, columns for the
+    /// vectors. `None` if the form has no segments of that degree.
+    pub fn matrix_of_degree(self, degree: usize) -> Option<Vec<Vec<f64>>> {
+        let (rows, over): (&[&[f64]], f64) = match (self, degree) {
+            (Self::Bezier | Self::BSpline, 1) => (&[&[-1.0, 1.0], &[1.0, 0.0]], 1.0),
+            (Self::Bezier, 2) => (&[&[1.0, -2.0, 1.0], &[-2.0, 2.0, 0.0], &[1.0, 0.0, 0.0]], 1.0),
+            (Self::BSpline, 2) => (&[&[1.0, -2.0, 1.0], &[-2.0, 2.0, 0.0], &[1.0, 1.0, 0.0]], 2.0),
+            (_, 3) => return Some(self.matrix().map(Vec::from).into()),
+            _ => return None,
+        };
+        Some(rows.iter().map(|row| row.iter().map(|entry| entry / over).collect()).collect())
+    }
+
     /// The four blending functions at `t`, `[t³ t² t 1] M`.
     pub fn blending(self, t: f64) -> [f64; 4] {
         let m = self.matrix();
@@ -54,6 +89,27 @@ impl MatrixForm {
             }
             Self::Hermite => [a, a + c / 3.0, b - d / 3.0, b],
             Self::CatmullRom => [b, b + (c - a) / 6.0, c - (d - b) / 6.0, c],
+        }
+    }
+
+    /// The Bézier points of a segment of any of the form's degrees; `None` if it has none with as
+    /// many vectors.
+    pub(crate) fn bezier_points(self, geometry: &[DVec3]) -> Option<Vec<DVec3>> {
+        match (self, geometry) {
+            (Self::Bezier | Self::BSpline, [_, _]) | (Self::Bezier, [_, _, _]) => {
+                Some(geometry.to_vec())
+            }
+            (Self::BSpline, &[a, b, c]) => Some(vec![0.5 * (a + b), b, 0.5 * (b + c)]),
+            (_, &[a, b, c, d]) => Some(self.to_bezier([a, b, c, d]).into()),
+            _ => None,
+        }
+    }
+
+    /// How many vectors define a segment, in words.
+    pub(crate) fn vector_counts(self) -> &'static str {
+        match self {
+            Self::Bezier | Self::BSpline => "2, 3 or 4",
+            Self::Hermite | Self::CatmullRom => "4",
         }
     }
 
@@ -75,6 +131,19 @@ impl MatrixForm {
     /// When a coordinate is not finite.
     pub fn segment(self, geometry: [DVec3; 4]) -> Result<NurbsCurve, CurveError> {
         NurbsCurve::bezier(&self.to_bezier(geometry))
+    }
+
+    /// The segment of any of the form's degrees as a curve on `[0, 1]`: its Bézier form.
+    ///
+    /// # Errors
+    /// When the form has no segments with as many vectors, or a coordinate is not finite.
+    pub fn segment_of(self, geometry: &[DVec3]) -> Result<NurbsCurve, CurveError> {
+        let points = self.bezier_points(geometry).ok_or(CurveError::GeometryCount {
+            form: self.name(),
+            found: geometry.len(),
+            needed: self.vector_counts(),
+        })?;
+        NurbsCurve::bezier(&points)
     }
 
     /// The four vectors that define `segment`, a curve of one cubic, polynomial piece.
@@ -190,6 +259,60 @@ mod tests {
                     let t = f64::from(k) / 20.0;
                     let off = curve.point_at(t).distance(blended(form, g, t));
                     assert!(off < 2e-14 * size, "{form:?} at {t}: off by {off:e}");
+                }
+            }
+        }
+    }
+
+    /// `[tⁿ … t 1] M G` for every degree that a form has, and the matrices that documents print.
+    #[test]
+    fn segments_of_lower_degrees_are_what_their_matrices_say() {
+        for form in MatrixForm::ALL {
+            for count in 0..=5 {
+                let geometry: Vec<DVec3> = G.into_iter().chain([DVec3::ONE]).take(count).collect();
+                let degree = count.wrapping_sub(1);
+                let matrix = form.matrix_of_degree(degree);
+                assert_eq!(matrix.is_some(), form.degrees().contains(&degree), "{form:?} {count}");
+                let Some(matrix) = matrix else {
+                    let error = form.segment_of(&geometry).unwrap_err();
+                    assert!(matches!(error, CurveError::GeometryCount { .. }), "{error}");
+                    continue;
+                };
+                let curve = form.segment_of(&geometry).unwrap();
+                assert_eq!((curve.degree(), curve.domain()), (degree, [0.0, 1.0]));
+                for k in 0..=8 {
+                    let t = f64::from(k) / 8.0;
+                    let mut expected = DVec3::ZERO;
+                    for (row, power) in matrix.iter().zip((0..=degree as i32).rev()) {
+                        for (entry, vector) in row.iter().zip(&geometry) {
+                            expected += t.powi(power) * entry * *vector;
+                        }
+                    }
+                    assert!(curve.point_at(t).distance(expected) < 2e-14, "{form:?} at {t}");
+                }
+            }
+        }
+        let linear = MatrixForm::Bezier.matrix_of_degree(1).unwrap();
+        assert_eq!(linear, [[-1.0, 1.0], [1.0, 0.0]]);
+        let quadratic = MatrixForm::Bezier.matrix_of_degree(2).unwrap();
+        assert_eq!(quadratic, [[1.0, -2.0, 1.0], [-2.0, 2.0, 0.0], [1.0, 0.0, 0.0]]);
+        assert_eq!(
+            MatrixForm::Hermite.segment_of(&G[..3]).unwrap_err().to_string(),
+            "3 vectors in the geometry of a segment: the form hermite takes 4"
+        );
+    }
+
+    /// B-spline segments of each degree are the pieces of the uniform B-spline, shifted to [0, 1].
+    #[test]
+    fn b_spline_segments_are_pieces_of_the_uniform_b_spline() {
+        for degree in MatrixForm::BSpline.degrees() {
+            let spline = NurbsCurve::uniform_bspline(degree, &G).unwrap();
+            for (first, window) in G.windows(degree + 1).enumerate() {
+                let segment = MatrixForm::BSpline.segment_of(window).unwrap();
+                for k in 0..=8 {
+                    let t = f64::from(k) / 8.0;
+                    let there = spline.point_at((degree + first) as f64 + t);
+                    assert!(segment.point_at(t).distance(there) < 1e-14, "{degree} at {t}");
                 }
             }
         }

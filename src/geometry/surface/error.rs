@@ -131,6 +131,31 @@ pub enum SurfaceError {
         /// Where the domain ends.
         end: f64,
     },
+    /// A patch in matrix form has as many rows or columns as none of that form has.
+    #[error("the geometry matrix has {} along {direction}: the form {form} takes {needed}",
+        Counted(*.found, "vector"))]
+    GeometryCount {
+        /// The parameter that runs over these vectors.
+        direction: Direction,
+        /// The name of the form.
+        form: &'static str,
+        /// The number of vectors given.
+        found: usize,
+        /// How many the form takes.
+        needed: &'static str,
+    },
+    /// A row of a geometry matrix is longer or shorter than the first one.
+    #[error(
+        "row {row} of the geometry matrix has {}, but row 0 has {first}", Counted(*.found, "vector")
+    )]
+    GeometryRow {
+        /// Which row, counted from 0.
+        row: usize,
+        /// The number of vectors in it.
+        found: usize,
+        /// The number of vectors in row 0.
+        first: usize,
+    },
     /// A transform has a number that is NaN or infinite.
     #[error("the transform is not finite: all of its numbers must be")]
     TransformNotFinite,

@@ -23,5 +23,5 @@ pub(crate) use bezier_form::BezierForm;
 pub use curvature::SurfaceCurvature;
 pub use derivatives::SurfaceDerivatives;
 pub use error::SurfaceError;
-pub use matrix_patch::matrix_patch;
+pub use matrix_patch::{matrix_patch, matrix_surface};
 pub use nurbs_surface::NurbsSurface;

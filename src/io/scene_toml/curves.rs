@@ -5,6 +5,7 @@ use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
 use super::super::keyed::Keyed;
+use super::forms::SegmentKeys;
 use super::kinds::OneOf;
 use super::knot_list::KnotList;
 use super::transforms::TransformKeys;
@@ -36,6 +37,7 @@ struct CurveTable {
     bspline: Option<Keyed<BSplineKeys>>,
     catmull_rom: Option<Keyed<CatmullRomKeys>>,
     hermite: Option<Keyed<HermiteKeys>>,
+    matrix_form: Option<Keyed<SegmentKeys>>,
     circle: Option<Keyed<CircleKeys>>,
     arc: Option<Keyed<ArcKeys>>,
     note_circle: Option<Spanned<String>>,
@@ -125,8 +127,8 @@ struct QuarticKeys {
 }
 
 /// The kinds of curves, for messages.
-const KINDS: &str = "nurbs, polyline, bezier, through, bspline, catmull_rom, hermite, circle, arc, \
-                     note_circle, quarter_circle_2, quarter_circle_4";
+const KINDS: &str = "nurbs, polyline, bezier, through, bspline, catmull_rom, hermite, matrix_form, \
+                     circle, arc, note_circle, quarter_circle_2, quarter_circle_4";
 
 impl Reader<'_, '_> {
     pub(super) fn curve(&self, keys: Spanned<CurveKeys>) -> Result<CurveSpec, LoadError> {
@@ -157,6 +159,7 @@ impl Reader<'_, '_> {
                 points: points(keys.points),
                 derivatives: points(keys.derivatives),
             }),
+            keys.matrix_form.map(|Keyed(keys)| self.segment(keys)),
             keys.circle.map(|Keyed(keys)| arc(keys.center, keys.radius, 0.0, 360.0)),
             keys.arc.map(|Keyed(keys)| {
                 let from = keys.from.map_or(0.0, |from| from.0);

@@ -11,6 +11,7 @@ use super::constructions::{
 };
 use super::kinds::{Kinds, OneOf};
 use super::knot_list::KnotList;
+use super::patches::MatrixPatchKeys;
 use super::plots::{FigureKeys, PlotKeys};
 use super::transforms::TransformKeys;
 use super::trims::TrimKeys;
@@ -197,6 +198,7 @@ pub(super) enum ShapeKeys {
     Ruled(Box<Keyed<RuledKeys>>),
     Coons(Box<Keyed<CoonsKeys>>),
     Loft(Box<Keyed<LoftKeys>>),
+    MatrixForm(Box<Keyed<MatrixPatchKeys>>),
     Sweep(Box<Keyed<SweepKeys>>),
     Tube(Box<Keyed<TubeKeys>>),
     Ribbon(Box<Keyed<RibbonKeys>>),
@@ -343,6 +345,7 @@ impl ShapeKeys {
             Self::Ruled(keys) => return ShapeSource::Built(keys),
             Self::Coons(keys) => return ShapeSource::Built(keys),
             Self::Loft(keys) => return ShapeSource::Built(keys),
+            Self::MatrixForm(keys) => return ShapeSource::Built(keys),
             Self::Sweep(keys) => return ShapeSource::Built(keys),
             Self::Tube(keys) => return ShapeSource::Built(keys),
             Self::Ribbon(keys) => return ShapeSource::Built(keys),

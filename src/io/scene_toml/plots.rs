@@ -6,11 +6,12 @@ use toml::Spanned;
 
 use super::super::keyed::{Keyed, Named};
 use super::curves::CurveKeys;
+use super::forms::FormKey;
 use super::kinds::{Kinds, OneOf};
 use super::knot_list::KnotList;
 use super::values::{BasisDegree, Count, Exactly, Number, Point, Vector};
 use super::{LoadError, Reader};
-use crate::geometry::{CornerCutting, MatrixForm, PolygonEnds};
+use crate::geometry::{CornerCutting, PolygonEnds};
 use crate::scene::{
     BasisSpec, CurveEntry, CurveSpec, FigureSpec, Knots, ObjectSpec, Plane, PlotKind, PlotSpec,
     PlottedSurface, RenderDefaults, SceneError, SceneFault, Written,
@@ -102,15 +103,6 @@ struct BasisKeys {
     #[serde(default)]
     support: bool,
     derivative: Option<Spanned<u32>>,
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum FormKey {
-    Bezier,
-    Bspline,
-    Hermite,
-    CatmullRom,
 }
 
 #[derive(Deserialize)]
@@ -273,12 +265,7 @@ impl Reader<'_, '_> {
                 PlotKind::Curves(entries.collect::<Result<_, _>>()?)
             }
             ShowKeys::Basis(keys) => PlotKind::Basis(self.basis(keys)),
-            ShowKeys::Blending(Named(form)) => PlotKind::Blending(match form {
-                FormKey::Bezier => MatrixForm::Bezier,
-                FormKey::Bspline => MatrixForm::BSpline,
-                FormKey::Hermite => MatrixForm::Hermite,
-                FormKey::CatmullRom => MatrixForm::CatmullRom,
-            }),
+            ShowKeys::Blending(Named(form)) => PlotKind::Blending(form.into()),
             ShowKeys::Derivatives(keys) => {
                 let (curve, order) = self.derivative(keys)?;
                 PlotKind::Derivatives { curve, order }

@@ -7,7 +7,9 @@ use super::made::Made;
 use crate::geometry::construct::{
     self, Axis, Borders, Component, ComponentKind, ConstructError, ControlNet, DirectionOf, Sweep,
 };
-use crate::geometry::{CurveError, NurbsCurve, Surface};
+use crate::geometry::{
+    CurveError, NurbsCurve, NurbsSurface, Surface, SurfaceError, matrix_surface,
+};
 use crate::scene::errors::{DrawError, SceneError, SceneFault};
 use crate::scene::written::{Construction, CurveFault, CurveSpec, Place, Written};
 
@@ -87,6 +89,9 @@ impl Workshop<'_> {
                 let degree = degree.unwrap_or(highest);
                 vec![self.checked(construct::loft(&sections, degree))?.surface.into()]
             }
+            Construction::MatrixForm { form, geometry } => {
+                vec![self.patch(matrix_surface(*form, geometry))?]
+            }
             Construction::Sweep { profile, path, options } => {
                 let profile = self.curve("profile", profile)?;
                 let path = self.curve("path", path)?;
@@ -164,6 +169,16 @@ impl Workshop<'_> {
         made.map_err(|error| self.not_drawn(error))
     }
 
+    /// Passes on a patch that was made from numbers alone, or gives the error the place of those
+    /// that are at fault.
+    fn patch(&self, made: Result<NurbsSurface, SurfaceError>) -> Result<Made, SceneError> {
+        made.map(Made::from).map_err(|error| {
+            let place = self.written.iter().find(|one| one.value == key_of_patch(&error));
+            let place = place.map_or(self.place, |number| &number.place).clone();
+            SceneError::new(place, SceneFault::Surface { surface: self.surface.to_owned(), error })
+        })
+    }
+
     fn not_drawn(&self, error: DrawError) -> SceneError {
         let surface = self.surface.to_owned();
         match error {
@@ -201,6 +216,11 @@ fn key_of(error: &ConstructError) -> Option<&'static str> {
         } => "radius",
         _ => return None,
     })
+}
+
+/// The key of the numbers of a patch that are at fault.
+fn key_of_patch(_: &SurfaceError) -> &'static str {
+    "geometry"
 }
 
 /// Names the pieces: what each is, with a number where there are several.

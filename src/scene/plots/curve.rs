@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::geometry::{KnotVector, NurbsCurve, RationalBasis};
+use crate::geometry::{KnotVector, MatrixForm, NurbsCurve, RationalBasis};
 use crate::scene::errors::{PlotError, SceneError, SceneFault};
 use crate::scene::written::{CurveFault, CurveKind, CurveSpec};
 
@@ -107,11 +107,20 @@ impl CurveSpec {
         })
     }
 
-    /// What a Catmull–Rom or Hermite spline is made from, in its place.
+    /// What a Catmull–Rom or Hermite spline, or a segment in matrix form, is made from, in its
+    /// place.
     fn data(&self) -> Result<Option<SplineData>, CurveFault> {
         let (points, derivatives, closed) = match &self.kind {
-            CurveKind::CatmullRom { points, closed } => (points, &[][..], *closed),
-            CurveKind::Hermite { points, derivatives } => (points, &derivatives[..], false),
+            CurveKind::CatmullRom { points, closed } => (&points[..], &[][..], *closed),
+            CurveKind::Hermite { points, derivatives } => (&points[..], &derivatives[..], false),
+            CurveKind::MatrixForm { form: MatrixForm::Hermite, geometry } => {
+                let (points, derivatives) = geometry.value.split_at(geometry.value.len() / 2);
+                (points, derivatives, false)
+            }
+            CurveKind::MatrixForm {
+                form: MatrixForm::BSpline | MatrixForm::CatmullRom,
+                geometry,
+            } => (&geometry.value[..], &[][..], false),
             _ => return Ok(None),
         };
         let placed = self.placed()?;

@@ -1,12 +1,13 @@
-//! Surfaces made from curves, as written.
+//! Surfaces made from curves, or by other forms than a control net, as written.
 
 use glam::DVec3;
 
 use super::{CurveSpec, Written};
+use crate::geometry::MatrixForm;
 use crate::geometry::construct::{NetStyle, RibbonStyle, SweepOptions, TubeStyle};
 
-/// Surfaces made from curves; [`construct`](crate::geometry::construct)
-/// says how each is made and how it runs.
+/// Surfaces made from curves, of which [`construct`](crate::geometry::construct) says how each is
+/// made and how it runs, and patches in matrix form.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Construction {
@@ -43,6 +44,13 @@ pub enum Construction {
         sections: Vec<CurveSpec>,
         /// The degree across; as high as the sections allow up to 3 if not given.
         degree: Option<usize>,
+    },
+    /// A patch in matrix form.
+    MatrixForm {
+        /// What its vectors mean.
+        form: MatrixForm,
+        /// Its geometry matrix, row by row.
+        geometry: Vec<Vec<DVec3>>,
     },
     /// A profile carried along a path.
     Sweep {
@@ -115,6 +123,7 @@ impl Construction {
             Self::Ruled { .. } => "ruled",
             Self::Coons(_) => "coons",
             Self::Loft { .. } => "loft",
+            Self::MatrixForm { .. } => "matrix_form",
             Self::Sweep { .. } => "sweep",
             Self::Tube { .. } => "tube",
             Self::Ribbon { .. } => "ribbon",
@@ -132,8 +141,11 @@ impl Construction {
         curve || self.draws().is_some()
     }
 
-    /// The number of control points of its curves.
+    /// The number of control points of its curves, or of vectors that it is given by.
     pub fn point_count(&self) -> usize {
+        if let Self::MatrixForm { geometry, .. } = self {
+            return geometry.iter().map(Vec::len).fold(0, usize::saturating_add);
+        }
         let counts = self.curves().into_iter().map(|(_, curve)| curve.point_count());
         counts.fold(0, usize::saturating_add)
     }
@@ -157,7 +169,10 @@ impl Construction {
             Self::Tube { curve, .. } | Self::Ribbon { curve, .. } | Self::Polygon { curve, .. } => {
                 vec![("curve", curve)]
             }
-            Self::Net { .. } | Self::TrimCurves { .. } | Self::IsoCurves { .. } => Vec::new(),
+            Self::MatrixForm { .. }
+            | Self::Net { .. }
+            | Self::TrimCurves { .. }
+            | Self::IsoCurves { .. } => Vec::new(),
         };
         curves.into_iter().map(|(name, curve)| (name.to_owned(), curve)).collect()
     }

@@ -7,7 +7,8 @@ use super::transform::placed;
 use super::{Knots, NamedArc, Place, Transform, TransformError, Written};
 use crate::geometry::shapes::{QuarticArc, QuarticConstants, circle_arc, quarter_circle_weighted};
 use crate::geometry::{
-    CurveError, Direction, KnotError, KnotVector, NurbsCurve, RationalBasis, with_repeated_ends,
+    CurveError, Direction, KnotError, KnotVector, MatrixForm, NurbsCurve, RationalBasis,
+    with_repeated_ends,
 };
 
 /// A curve as written, not yet checked.
@@ -73,6 +74,13 @@ pub enum CurveKind {
         /// The derivatives there.
         derivatives: Vec<DVec3>,
     },
+    /// A segment in matrix form.
+    MatrixForm {
+        /// What its vectors mean.
+        form: MatrixForm,
+        /// Its vectors. Errors about their number name their place.
+        geometry: Written<Vec<DVec3>>,
+    },
     /// An arc of a circle around the origin in the plane `z = 0`.
     Arc {
         /// Its radius.
@@ -131,6 +139,7 @@ impl CurveSpec {
             | CurveKind::BSpline { points, .. }
             | CurveKind::CatmullRom { points, .. }
             | CurveKind::Hermite { points, .. } => points.len(),
+            CurveKind::MatrixForm { geometry, .. } => geometry.value.len(),
             CurveKind::Arc { .. }
             | CurveKind::NamedArc(_)
             | CurveKind::QuadraticArc(_)
@@ -167,6 +176,7 @@ impl CurveSpec {
                 NurbsCurve::closed_catmull_rom(points)
             }
             CurveKind::Hermite { points, derivatives } => NurbsCurve::hermite(points, derivatives),
+            CurveKind::MatrixForm { form, geometry } => form.segment_of(&geometry.value),
             CurveKind::Arc { radius, from, degrees } => circle_arc(*radius, *from, *degrees),
             CurveKind::NamedArc(circle) => Ok(circle.curve()),
             CurveKind::QuadraticArc(weights) => quarter_circle_weighted(*weights),
@@ -192,6 +202,9 @@ impl CurveSpec {
                 | CurveError::BasisWeight { .. }
                 | CurveError::NoWeight { .. },
             ) => &weights.place,
+            (CurveKind::MatrixForm { geometry, .. }, CurveError::GeometryCount { .. }) => {
+                &geometry.place
+            }
             _ => &self.place,
         }
     }
