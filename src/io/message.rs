@@ -66,7 +66,7 @@ const ELSEWHERE: [(&str, &str, &str); 40] = [
 ];
 
 /// Names of curves, which have tables of their own.
-const CURVES: [&str; 13] = [
+const CURVES: [&str; 14] = [
     "nurbs",
     "polyline",
     "bezier",
@@ -75,6 +75,7 @@ const CURVES: [&str; 13] = [
     "catmull_rom",
     "hermite",
     "matrix_form",
+    "power",
     "circle",
     "arc",
     "note_circle",
@@ -91,7 +92,7 @@ const AROUND_CURVES: [(&str, [&str; 2]); 3] = [
 ];
 
 /// Keys whose values are often written as another kind of value, and what these look like.
-const EXAMPLES: [(&str, &str); 30] = [
+const EXAMPLES: [(&str, &str); 31] = [
     ("perspective", "{ fov = 30 }"),
     ("orthographic", "{ height = 4 }"),
     ("directional", "{ from = [-2, -3, 4], irradiance = 2.5 }"),
@@ -107,6 +108,7 @@ const EXAMPLES: [(&str, &str); 30] = [
     ("hermite", "{ points = […], derivatives = […] }"),
     ("matrix_form", "{ form = \"hermite\", geometry = […] }"),
     ("form", "\"hermite\""),
+    ("power", "{ coefficients = […] }"),
     ("circle", "{ center = [0, 0], radius = 1 }"),
     ("arc", "{ radius = 1, degrees = 90 }"),
     ("curve", "{ bezier = […] }"),

@@ -175,6 +175,24 @@
 //! a surface of uniform knots, and need not meet any of its points. A `catmull_rom` patch meets the
 //! inner four of its 4 × 4 points.
 //!
+//! A patch in powers of its parameters, `S(u, v) = Σ aᵢⱼ uⁱ vʲ`, or a quotient of two such sums. The
+//! coefficients are listed by rows: one for each power of u, `u⁰` first, along which the powers of v
+//! rise. A row may end early: what is not written is 0. It becomes one Bézier patch, whose degrees
+//! are the highest powers written. Eberly's octant:
+//!
+//! ```toml
+//! [[object]]
+//! name = "eighth"
+//! [object.shape.power]
+//! coefficients = [
+//!     [[1, 0, 0], [0, 2, 0], [-1, 0, 0]], # ((1 − u²)(1 − v²), (1 − u²) 2v, 2u (1 + v²))
+//!     [[0, 0, 2], [0, 0, 0], [0, 0, 2]],
+//!     [[-1, 0, 0], [0, -2, 0], [1, 0, 0]],
+//! ]
+//! denominator = [[1, 0, 1], [], [1, 0, 1]] # (1 + u²)(1 + v²); [[1]] if not given
+//! domain = [[0, 1], [0, 1]]              # of u, then of v; this if not given
+//! ```
+//!
 //! A triangular Bézier patch. The control points of degree n are named by exponents
 //! (i, j, k) with i + j + k = n, and listed with i slowest, then j: from the corner w = 1 to
 //! v = 1, then the rows beside that, up to the corner u = 1 alone.

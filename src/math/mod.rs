@@ -21,6 +21,7 @@ mod shown;
 mod split_mix;
 #[cfg(test)]
 pub(crate) mod testing;
+mod twofold;
 mod unit;
 
 pub use aabb::Aabb;
@@ -31,4 +32,5 @@ pub(crate) use ray_frame::PLAIN_SQUARES;
 pub use ray_frame::RayFrame;
 pub use shown::{AtLeast, Counted, Measured, MeasuredPoint, Shown, ShownVector};
 pub use split_mix::SplitMix;
+pub(crate) use twofold::Twofold;
 pub(crate) use unit::unit;

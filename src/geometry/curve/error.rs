@@ -172,6 +172,18 @@ pub enum CurveError {
         /// How many the form takes.
         needed: &'static str,
     },
+    /// A Bézier coefficient of a denominator is zero, or has another sign than the first.
+    #[error(
+        "the denominator's Bézier coefficient {index} is {}: all must be positive, or all negative; \
+         they may be so on a shorter domain",
+        Shown(*.coefficient)
+    )]
+    Denominator {
+        /// Which coefficient, counted from 0.
+        index: usize,
+        /// The coefficient.
+        coefficient: f64,
+    },
     /// An end point is to occur more often than makes a difference, or zero times.
     #[error("an end point {times} times: from 1 to {most} times are possible")]
     Repeated {

@@ -8,6 +8,7 @@ mod error;
 mod extremes;
 mod matrix_form;
 mod nurbs_curve;
+mod power_form;
 mod quotient;
 mod rational_basis;
 #[cfg(test)]
@@ -21,5 +22,6 @@ pub use error::CurveError;
 pub(crate) use extremes::{FINEST_INTERVAL, add_extremes, add_sign_changes};
 pub use matrix_form::MatrixForm;
 pub use nurbs_curve::{CurveDerivatives, NurbsCurve};
+pub(crate) use power_form::{PowerShares, power_coefficient, rounded_powers};
 pub use rational_basis::RationalBasis;
 pub use uniform::{MAX_REPEATED, with_repeated_ends};

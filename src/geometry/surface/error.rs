@@ -156,6 +156,20 @@ pub enum SurfaceError {
         /// The number of vectors in row 0.
         first: usize,
     },
+    /// A Bézier coefficient of a denominator is zero, or has another sign than the first.
+    #[error(
+        "the denominator's Bézier coefficient ({i}, {j}) is {}: all must be positive, or all \
+         negative; they may be so on a smaller domain",
+        Shown(*.coefficient)
+    )]
+    Denominator {
+        /// Its index along u.
+        i: usize,
+        /// Its index along v.
+        j: usize,
+        /// The coefficient.
+        coefficient: f64,
+    },
     /// A transform has a number that is NaN or infinite.
     #[error("the transform is not finite: all of its numbers must be")]
     TransformNotFinite,

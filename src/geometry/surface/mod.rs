@@ -12,6 +12,7 @@ mod matrix_patch;
 #[cfg(test)]
 mod normal_tests;
 mod nurbs_surface;
+mod power_patch;
 mod refine;
 #[cfg(test)]
 mod refine_tests;

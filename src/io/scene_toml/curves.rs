@@ -5,7 +5,7 @@ use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
 use super::super::keyed::Keyed;
-use super::forms::SegmentKeys;
+use super::forms::{PowerKeys, SegmentKeys};
 use super::kinds::OneOf;
 use super::knot_list::KnotList;
 use super::transforms::TransformKeys;
@@ -38,6 +38,7 @@ struct CurveTable {
     catmull_rom: Option<Keyed<CatmullRomKeys>>,
     hermite: Option<Keyed<HermiteKeys>>,
     matrix_form: Option<Keyed<SegmentKeys>>,
+    power: Option<Keyed<PowerKeys>>,
     circle: Option<Keyed<CircleKeys>>,
     arc: Option<Keyed<ArcKeys>>,
     note_circle: Option<Spanned<String>>,
@@ -128,7 +129,7 @@ struct QuarticKeys {
 
 /// The kinds of curves, for messages.
 const KINDS: &str = "nurbs, polyline, bezier, through, bspline, catmull_rom, hermite, matrix_form, \
-                     circle, arc, note_circle, quarter_circle_2, quarter_circle_4";
+                     power, circle, arc, note_circle, quarter_circle_2, quarter_circle_4";
 
 impl Reader<'_, '_> {
     pub(super) fn curve(&self, keys: Spanned<CurveKeys>) -> Result<CurveSpec, LoadError> {
@@ -160,6 +161,7 @@ impl Reader<'_, '_> {
                 derivatives: points(keys.derivatives),
             }),
             keys.matrix_form.map(|Keyed(keys)| self.segment(keys)),
+            keys.power.map(|Keyed(keys)| self.power(keys)),
             keys.circle.map(|Keyed(keys)| arc(keys.center, keys.radius, 0.0, 360.0)),
             keys.arc.map(|Keyed(keys)| {
                 let from = keys.from.map_or(0.0, |from| from.0);

@@ -1,4 +1,4 @@
-//! Curves and patches in matrix form, and the errors about them.
+//! Curves and patches in matrix form and in powers of their parameters, and the errors about them.
 
 use glam::{DVec2, DVec3};
 
@@ -110,4 +110,103 @@ fn what_is_no_matrix_form_is_told_where_it_is_written() {
         "s.toml:2:63: found a list, needed a table, as in matrix_form = { form = \"hermite\", \
          geometry = […] }"
     );
+}
+
+/// `y = x² + 5x + 3` and `(1 − t², 2t) / (1 + t²)`, which documents print, on several domains.
+#[test]
+fn curves_are_written_by_powers() {
+    let graph = "power = { coefficients = [[0, 3], [1, 5], [0, 1]], domain = [-6, 1] }";
+    for x in [-6.0, -2.5, 0.5, 1.0] {
+        let expected = DVec3::new(x, x * x + 5.0 * x + 3.0, 0.0);
+        assert!(on_curve(graph, x).distance(expected) < 1e-14, "{x}");
+    }
+    let circle = "coefficients = [[1, 0], [0, 2], [-1, 0]], denominator = [1, 0, 1]";
+    for (domain, t) in [("", 0.25), (", domain = [-0.5, 1.5]", 1.25)] {
+        let point = on_curve(&format!("power = {{ {circle}{domain} }}"), t);
+        let expected = DVec3::new(1.0 - t * t, 2.0 * t, 0.0) / (1.0 + t * t);
+        assert!(point.distance(expected) < 1e-15, "{domain}: {point}");
+    }
+}
+
+/// Eberly's octant by the formula of his note, and the lecture's polynomial `z(s, t)`.
+#[test]
+fn patches_are_written_by_powers() {
+    let octant = "coefficients = [[[1, 0], [0, 2], [-1, 0]], [[0, 0, 2], [0, 0], [0, 0, 2]], \
+                  [[-1, 0], [0, -2], [1, 0]]], denominator = [[1, 0, 1], [], [1, 0, 1]]";
+    let made = surface(&format!("power = {{ {octant} }}"));
+    let known = World::new(&scene("[[object]]\nshape = 'octant'\nswap_uv = true")).unwrap();
+    assert_eq!(made, known.surfaces[0].surface);
+    let lecture = surface(
+        "power = { coefficients = [
+            [[0, 0, 5], [3, 0, 3], [0, 0, -12], [0, 0, 9]],
+            [[0, 3, -6], [0, 0, 9], [0, 0, 27], [0, 0, -36]],
+            [[0, 0, 9], [0, 0, -36], [0, 0, 9], [0, 0, 33]],
+            [[0, 0, -3], [0, 0, 21], [0, 0, -24], [0, 0, -3]],
+        ] }",
+    );
+    let known = surface("lecture_patch_1 = {}");
+    for k in 0..=24 {
+        let st = DVec2::new(f64::from(k % 5) / 4.0, f64::from(k / 5) / 4.0);
+        assert!(lecture.point_at(st).distance(known.point_at(st)) < 2e-15, "{st}");
+    }
+    // A saddle, x = u, y = v, z = u v: rows may end early.
+    let saddle = "coefficients = [[[0, 0], [0, 1]], [[1, 0], [0, 0, 1]], []]";
+    let saddle = surface(&format!("power = {{ {saddle}, domain = [[-1, 1], [0, 4]] }}"));
+    assert_eq!((saddle.degree(), saddle.domain()), ([2, 1], [[-1.0, 1.0], [0.0, 4.0]]));
+    assert_eq!(saddle.point_at(DVec2::new(0.5, 3.0)), DVec3::new(0.5, 3.0, 1.5));
+}
+
+#[test]
+fn powers_that_make_no_surface_are_told_where_they_are_written() {
+    let patch = |keys: &str| error(&format!("[[object]]\n[object.shape.power]\n{keys}"));
+    let flat = "coefficients = [[[0, 0], [0, 1]], [[1, 0]]]";
+    for (keys, message) in [
+        (
+            format!("{flat}\ndenominator = [[1], [-3], [3]]"),
+            "4:15: surface \"power\": the denominator's Bézier coefficient (1, 0) is -0.5: all must \
+             be positive, or all negative; they may be so on a smaller domain",
+        ),
+        (
+            "coefficients = [[[0, 0], [0, 1]]]".into(),
+            "3:16: surface \"power\", direction u: degree 0: degrees from 1 to 32 are supported",
+        ),
+        (format!("{flat}\ndomain = [[0, 1], [1, 0]]"), "4:10: surface \"power\", direction v: "),
+        (format!("{flat}\ndomain = [0, 1]"), "4:11: found integer 0, needed a list of 2 numbers"),
+        (
+            format!("{flat}\ndomain = [[0, 1]]"),
+            "4:10: found a list of 1, needed a list of 2 pairs of numbers, [[u0, u1], [v0, v1]]",
+        ),
+        ("denominator = [[1]]".into(), "2:1: missing key \"coefficients\""),
+        (format!("{flat}\nnumerator = [[1]]"), "4:1: unknown key \"numerator\"; known: "),
+    ] {
+        let found = patch(&keys);
+        assert!(found.starts_with(&format!("s.toml:{message}")), "{keys}: {found}");
+    }
+    let curve = |keys: &str| {
+        error(&format!(
+            "[[object]]\n[object.shape.extrusion]\nby = [0, 0, 1]\nprofile.power = {{\n{keys} }}"
+        ))
+    };
+    let line = "coefficients = [[0, 0], [1, 0]]";
+    for (keys, message) in [
+        (
+            format!("{line},\ndenominator = [1, -3, 3]"),
+            "6:15: surface \"extrusion\": profile: the denominator's Bézier coefficient 1 is -0.5: \
+             all must be positive, or all negative; they may be so on a shorter domain",
+        ),
+        (
+            "coefficients = [[0, 0]]".into(),
+            "5:16: surface \"extrusion\": profile: degree 0: degrees from 1 to 32 are supported",
+        ),
+        (format!("{line},\ndomain = [1, 0]"), "6:10: surface \"extrusion\": profile: "),
+        (format!("{line},\ndomain = [0, inf]"), "6:14: found inf, needed a finite number"),
+        (
+            "coefficients = [[0, 0], [1e80, 0]]".into(),
+            "5:16: surface \"extrusion\": profile: control point 1 is (1e80, 0, 0): coordinates \
+             must be finite (up to 1e70)",
+        ),
+    ] {
+        let found = curve(&keys);
+        assert!(found.starts_with(&format!("s.toml:{message}")), "{keys}: {found}");
+    }
 }

@@ -6,7 +6,7 @@ use toml::Spanned;
 
 use super::super::keyed::Named;
 use super::Reader;
-use super::values::Point;
+use super::values::{Exactly, Number, Point};
 use crate::geometry::MatrixForm;
 use crate::scene::CurveKind;
 
@@ -39,7 +39,33 @@ pub(super) struct SegmentKeys {
     geometry: Spanned<Vec<Point>>,
 }
 
+/// A curve by the coefficients of powers of its parameter.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PowerKeys {
+    coefficients: Spanned<Vec<Point>>,
+    denominator: Option<Spanned<Vec<Number>>>,
+    domain: Option<Spanned<Exactly<Number, 2>>>,
+}
+
 impl Reader<'_, '_> {
+    pub(super) fn power(&self, keys: PowerKeys) -> CurveKind {
+        let offset = keys.coefficients.span().start;
+        let vectors = |list: Vec<Point>| list.into_iter().map(|vector| vector.0).collect();
+        let coefficients = self.written(keys.coefficients, vectors);
+        let numbers = |list: Vec<Number>| list.into_iter().map(|number| number.0).collect();
+        // Errors about what is not written point at what is.
+        let denominator =
+            keys.denominator.unwrap_or(Spanned::new(offset..offset, vec![Number(1.0)]));
+        let unit = Exactly([Number(0.0), Number(1.0)]);
+        let domain = keys.domain.unwrap_or(Spanned::new(offset..offset, unit));
+        CurveKind::Power {
+            coefficients,
+            denominator: self.written(denominator, numbers),
+            domain: self.written(domain, |ends| ends.0.map(|end| end.0)),
+        }
+    }
+
     pub(super) fn segment(&self, keys: SegmentKeys) -> CurveKind {
         let vectors = |list: Vec<Point>| list.into_iter().map(|vector| vector.0).collect();
         let geometry = self.written(keys.geometry, vectors);

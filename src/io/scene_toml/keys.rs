@@ -11,7 +11,7 @@ use super::constructions::{
 };
 use super::kinds::{Kinds, OneOf};
 use super::knot_list::KnotList;
-use super::patches::MatrixPatchKeys;
+use super::patches::{MatrixPatchKeys, PowerPatchKeys};
 use super::plots::{FigureKeys, PlotKeys};
 use super::transforms::TransformKeys;
 use super::trims::TrimKeys;
@@ -199,6 +199,7 @@ pub(super) enum ShapeKeys {
     Coons(Box<Keyed<CoonsKeys>>),
     Loft(Box<Keyed<LoftKeys>>),
     MatrixForm(Box<Keyed<MatrixPatchKeys>>),
+    Power(Box<Keyed<PowerPatchKeys>>),
     Sweep(Box<Keyed<SweepKeys>>),
     Tube(Box<Keyed<TubeKeys>>),
     Ribbon(Box<Keyed<RibbonKeys>>),
@@ -346,6 +347,7 @@ impl ShapeKeys {
             Self::Coons(keys) => return ShapeSource::Built(keys),
             Self::Loft(keys) => return ShapeSource::Built(keys),
             Self::MatrixForm(keys) => return ShapeSource::Built(keys),
+            Self::Power(keys) => return ShapeSource::Built(keys),
             Self::Sweep(keys) => return ShapeSource::Built(keys),
             Self::Tube(keys) => return ShapeSource::Built(keys),
             Self::Ribbon(keys) => return ShapeSource::Built(keys),

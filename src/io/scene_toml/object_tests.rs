@@ -11,7 +11,7 @@ fn what_cannot_be_made_from_curves_is_told() {
     assert_eq!(
         shape("revolution]\nprofile = {}"),
         "s.toml:4:11: curve: needed is one, and only one, of nurbs, polyline, bezier, through, \
-         bspline, catmull_rom, hermite, matrix_form, circle, arc, note_circle, quarter_circle_2, \
+         bspline, catmull_rom, hermite, matrix_form, power, circle, arc, note_circle, quarter_circle_2, \
          quarter_circle_4"
     );
     assert_eq!(

@@ -50,7 +50,7 @@ const DOCUMENTS: [&str; 3] =
 #[test]
 fn what_the_documentation_shows_can_be_read() {
     let blocks = documented();
-    assert_eq!(blocks.len(), 12);
+    assert_eq!(blocks.len(), 13);
     for text in blocks {
         let asked = RefCell::new(Vec::new());
         let scene = read_scene(&text, "doc", &mut |file, _, _| {

@@ -101,6 +101,11 @@ impl Listed for Exactly<Number, 4> {
     const PLURAL: &'static str = "rows of 4 numbers";
 }
 
+impl Listed for Exactly<Number, 2> {
+    /// Domains are the only lists of pairs.
+    const PLURAL: &'static str = "pairs of numbers, [[u0, u1], [v0, v1]]";
+}
+
 /// A list of exactly `N` values. (A Rust array is read from longer lists, too, and the rest is
 /// dropped.)
 #[derive(Clone, Copy, Debug, PartialEq)]

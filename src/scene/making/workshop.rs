@@ -8,7 +8,7 @@ use crate::geometry::construct::{
     self, Axis, Borders, Component, ComponentKind, ConstructError, ControlNet, DirectionOf, Sweep,
 };
 use crate::geometry::{
-    CurveError, NurbsCurve, NurbsSurface, Surface, SurfaceError, matrix_surface,
+    CurveError, KnotError, NurbsCurve, NurbsSurface, Surface, SurfaceError, matrix_surface,
 };
 use crate::scene::errors::{DrawError, SceneError, SceneFault};
 use crate::scene::written::{Construction, CurveFault, CurveSpec, Place, Written};
@@ -92,6 +92,9 @@ impl Workshop<'_> {
             Construction::MatrixForm { form, geometry } => {
                 vec![self.patch(matrix_surface(*form, geometry))?]
             }
+            Construction::Power { coefficients, denominator, domain } => {
+                vec![self.patch(NurbsSurface::from_powers(coefficients, denominator, *domain))?]
+            }
             Construction::Sweep { profile, path, options } => {
                 let profile = self.curve("profile", profile)?;
                 let path = self.curve("path", path)?;
@@ -173,7 +176,8 @@ impl Workshop<'_> {
     /// that are at fault.
     fn patch(&self, made: Result<NurbsSurface, SurfaceError>) -> Result<Made, SceneError> {
         made.map(Made::from).map_err(|error| {
-            let place = self.written.iter().find(|one| one.value == key_of_patch(&error));
+            let keys = keys_of_patch(&error);
+            let place = self.written.iter().find(|one| keys.contains(&one.value));
             let place = place.map_or(self.place, |number| &number.place).clone();
             SceneError::new(place, SceneFault::Surface { surface: self.surface.to_owned(), error })
         })
@@ -218,9 +222,14 @@ fn key_of(error: &ConstructError) -> Option<&'static str> {
     })
 }
 
-/// The key of the numbers of a patch that are at fault.
-fn key_of_patch(_: &SurfaceError) -> &'static str {
-    "geometry"
+/// The keys that the numbers of a patch that are at fault may have.
+fn keys_of_patch(error: &SurfaceError) -> &'static [&'static str] {
+    match error {
+        SurfaceError::Denominator { .. } => &["denominator"],
+        SurfaceError::Knots { error: KnotError::Degree { .. }, .. } => &["coefficients"],
+        SurfaceError::Knots { .. } | SurfaceError::Domain { .. } => &["domain"],
+        _ => &["geometry", "coefficients"],
+    }
 }
 
 /// Names the pieces: what each is, with a number where there are several.

@@ -7,7 +7,7 @@ use crate::geometry::MatrixForm;
 use crate::geometry::construct::{NetStyle, RibbonStyle, SweepOptions, TubeStyle};
 
 /// Surfaces made from curves, of which [`construct`](crate::geometry::construct) says how each is
-/// made and how it runs, and patches in matrix form.
+/// made and how it runs, and patches in matrix form or in powers of u and v.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Construction {
@@ -51,6 +51,16 @@ pub enum Construction {
         form: MatrixForm,
         /// Its geometry matrix, row by row.
         geometry: Vec<Vec<DVec3>>,
+    },
+    /// A patch by the coefficients of the powers of its parameters: a row for each power of u, from
+    /// `u⁰` on, in it those of `v⁰`, `v¹`, …
+    Power {
+        /// Those of its numerator.
+        coefficients: Vec<Vec<DVec3>>,
+        /// Those of its denominator; `[[1.0]]` for a polynomial.
+        denominator: Vec<Vec<f64>>,
+        /// Where u begins and ends, and v.
+        domain: [[f64; 2]; 2],
     },
     /// A profile carried along a path.
     Sweep {
@@ -124,6 +134,7 @@ impl Construction {
             Self::Coons(_) => "coons",
             Self::Loft { .. } => "loft",
             Self::MatrixForm { .. } => "matrix_form",
+            Self::Power { .. } => "power",
             Self::Sweep { .. } => "sweep",
             Self::Tube { .. } => "tube",
             Self::Ribbon { .. } => "ribbon",
@@ -143,8 +154,10 @@ impl Construction {
 
     /// The number of control points of its curves, or of vectors that it is given by.
     pub fn point_count(&self) -> usize {
-        if let Self::MatrixForm { geometry, .. } = self {
-            return geometry.iter().map(Vec::len).fold(0, usize::saturating_add);
+        if let Self::MatrixForm { geometry: rows, .. } | Self::Power { coefficients: rows, .. } =
+            self
+        {
+            return rows.iter().map(Vec::len).fold(0, usize::saturating_add);
         }
         let counts = self.curves().into_iter().map(|(_, curve)| curve.point_count());
         counts.fold(0, usize::saturating_add)
@@ -170,6 +183,7 @@ impl Construction {
                 vec![("curve", curve)]
             }
             Self::MatrixForm { .. }
+            | Self::Power { .. }
             | Self::Net { .. }
             | Self::TrimCurves { .. }
             | Self::IsoCurves { .. } => Vec::new(),

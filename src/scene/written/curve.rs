@@ -81,6 +81,15 @@ pub enum CurveKind {
         /// Its vectors. Errors about their number name their place.
         geometry: Written<Vec<DVec3>>,
     },
+    /// A curve by the coefficients of the powers of its parameter, from `t⁰` on.
+    Power {
+        /// Those of its numerator.
+        coefficients: Written<Vec<DVec3>>,
+        /// Those of its denominator; `[1.0]` for a polynomial.
+        denominator: Written<Vec<f64>>,
+        /// Where its parameter begins and ends.
+        domain: Written<[f64; 2]>,
+    },
     /// An arc of a circle around the origin in the plane `z = 0`.
     Arc {
         /// Its radius.
@@ -140,6 +149,9 @@ impl CurveSpec {
             | CurveKind::CatmullRom { points, .. }
             | CurveKind::Hermite { points, .. } => points.len(),
             CurveKind::MatrixForm { geometry, .. } => geometry.value.len(),
+            CurveKind::Power { coefficients, denominator, .. } => {
+                coefficients.value.len().max(denominator.value.len())
+            }
             CurveKind::Arc { .. }
             | CurveKind::NamedArc(_)
             | CurveKind::QuadraticArc(_)
@@ -177,6 +189,9 @@ impl CurveSpec {
             }
             CurveKind::Hermite { points, derivatives } => NurbsCurve::hermite(points, derivatives),
             CurveKind::MatrixForm { form, geometry } => form.segment_of(&geometry.value),
+            CurveKind::Power { coefficients, denominator, domain } => {
+                NurbsCurve::from_powers(&coefficients.value, &denominator.value, domain.value)
+            }
             CurveKind::Arc { radius, from, degrees } => circle_arc(*radius, *from, *degrees),
             CurveKind::NamedArc(circle) => Ok(circle.curve()),
             CurveKind::QuadraticArc(weights) => quarter_circle_weighted(*weights),
@@ -202,6 +217,14 @@ impl CurveSpec {
                 | CurveError::BasisWeight { .. }
                 | CurveError::NoWeight { .. },
             ) => &weights.place,
+            (CurveKind::Power { denominator, .. }, CurveError::Denominator { .. }) => {
+                &denominator.place
+            }
+            (
+                CurveKind::Power { coefficients, .. },
+                CurveError::Knots(KnotError::Degree { .. }) | CurveError::Point { .. },
+            ) => &coefficients.place,
+            (CurveKind::Power { domain, .. }, CurveError::Knots(_)) => &domain.place,
             (CurveKind::MatrixForm { geometry, .. }, CurveError::GeometryCount { .. }) => {
                 &geometry.place
             }
