@@ -252,7 +252,8 @@ impl Surface {
     /// surface are exchanged within each unit square. Trims are exchanged, too: the same part of
     /// the surface is kept. Nothing is rounded.
     ///
-    /// Of a triangular patch and of a limit surface this is the same as [`reversed`](Self::reversed).
+    /// Of a triangular patch and of a limit surface this is the same as
+    /// [`reversed`](Self::reversed).
     #[must_use]
     pub fn swapped(&self) -> Self {
         match self {

@@ -175,10 +175,10 @@
 //! a surface of uniform knots, and need not meet any of its points. A `catmull_rom` patch meets the
 //! inner four of its 4 × 4 points.
 //!
-//! A patch in powers of its parameters, `S(u, v) = Σ aᵢⱼ uⁱ vʲ`, or a quotient of two such sums. The
-//! coefficients are listed by rows: one for each power of u, `u⁰` first, along which the powers of v
-//! rise. A row may end early: what is not written is 0. It becomes one Bézier patch, whose degrees
-//! are the highest powers written. Eberly's octant:
+//! A patch in powers of its parameters, `S(u, v) = Σ aᵢⱼ uⁱ vʲ`, or a quotient of two such sums.
+//! The coefficients are listed by rows: one for each power of u, `u⁰` first, along which the powers
+//! of v rise. A row may end early: what is not written is 0. It becomes one Bézier patch, whose
+//! degrees are the highest powers written. Eberly's octant:
 //!
 //! ```toml
 //! [[object]]

@@ -21,9 +21,9 @@ pub fn matrix_patch(
     NurbsSurface::new(unit_knots(3), unit_knots(3), net, None)
 }
 
-/// A polynomial surface piece in matrix form, `S(u, v) = [uᵐ … u 1] M G Mᵀ [vⁿ … v 1]ᵀ`, as a Bézier
-/// patch on the unit square, for any of the form's [degrees](MatrixForm::degrees): `u` runs over the
-/// rows of `G`, which are as long as each other.
+/// A polynomial surface piece in matrix form, `S(u, v) = [uᵐ … u 1] M G Mᵀ [vⁿ … v 1]ᵀ`, as a
+/// Bézier patch on the unit square, for any of the form's [degrees](MatrixForm::degrees): `u` runs
+/// over the rows of `G`, which are as long as each other.
 ///
 /// The matrix of a Hermite patch is that of its corners `S`, its derivatives there, and its twists:
 /// the rows are `S` at `u = 0` and `u = 1`, then `Sᵤ` there; the columns are the same for `v`.

@@ -7,17 +7,18 @@ use crate::geometry::curve::{PowerShares, power_coefficient, rounded_powers};
 use crate::geometry::{Direction, KnotVector};
 
 impl NurbsSurface {
-    /// The surface `S(u, v) = Σ aᵢⱼ uⁱ vʲ / Σ dᵢⱼ uⁱ vʲ` on a domain, from the coefficients `aᵢⱼ` of
-    /// its numerator and `dᵢⱼ` of its denominator, `&[vec![1.0]]` for a polynomial. A row `i` holds
-    /// the coefficients of `uⁱ`, those of `v⁰` first; rows may have different lengths, and what is
-    /// not given is zero. The longest list and the longest row have one entry more than the degrees.
+    /// The surface `S(u, v) = Σ aᵢⱼ uⁱ vʲ / Σ dᵢⱼ uⁱ vʲ` on a domain, from the coefficients `aᵢⱼ`
+    /// of its numerator and `dᵢⱼ` of its denominator, `&[vec![1.0]]` for a polynomial. A row `i`
+    /// holds the coefficients of `uⁱ`, those of `v⁰` first; rows may have different lengths, and
+    /// what is not given is zero. The longest list and the longest row have one entry more than the
+    /// degrees.
     ///
     /// It is one Bézier patch, whose homogeneous control points are rounded once: see
     /// [`NurbsCurve::from_powers`](crate::geometry::NurbsCurve::from_powers).
     ///
     /// # Errors
-    /// When a degree is not from 1 to [`MAX_DEGREE`](crate::geometry::MAX_DEGREE), a domain is empty
-    /// or not finite, a coefficient is not finite or too large, a Bézier coefficient of the
+    /// When a degree is not from 1 to [`MAX_DEGREE`](crate::geometry::MAX_DEGREE), a domain is
+    /// empty or not finite, a coefficient is not finite or too large, a Bézier coefficient of the
     /// denominator is zero or has another sign than the first, or the surface has no area.
     pub fn from_powers(
         numerator: &[Vec<DVec3>],

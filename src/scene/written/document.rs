@@ -154,8 +154,8 @@ pub enum Shape {
     /// places. The measures have the names that a
     /// [`ShapeError`](crate::geometry::shapes::ShapeError) gives them.
     Named(NamedShape, Vec<Written<&'static str>>),
-    /// A shape made from curves or by a formula, and those of its numbers that were written, with their places.
-    /// The numbers have the names of their keys in scenes.
+    /// A shape made from curves or by a formula, and those of its numbers that were written, with
+    /// their places. The numbers have the names of their keys in scenes.
     Built(Arc<Construction>, Vec<Written<&'static str>>),
 }
 
