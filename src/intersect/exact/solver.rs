@@ -407,10 +407,109 @@ fn next_box(rect: StRect, part: StRect, exhausted: [bool; 2], longer: usize) -> 
 mod tests {
     use glam::{DVec2, DVec3};
 
-    use crate::geometry::NurbsCurve;
+    use super::{BUDGET, ExactSolver, Problem};
     use crate::geometry::construct::{Caps, TubeStyle, tube};
+    use crate::geometry::{KnotVector, NurbsCurve, NurbsSurface};
     use crate::intersect::{Query, SurfaceBvh};
-    use crate::math::Ray;
+    use crate::math::{Ray, RayFrame};
+    use crate::patch::PatchSet;
+
+    /// The parabolic cylinder `(φ, φ², s − t)` with `φ = s + t − 1`, and the line on it where `φ` is
+    /// zero, from corner to corner of the parameters: it would take millions of boxes along the
+    /// diagonal. What no box was spent on is reported all the same, from end to end of the line.
+    #[test]
+    fn what_is_left_when_the_budget_is_used_up_is_reported_in_doubt() {
+        // Values of the blossoms of s, t, s² and t² at zeros and ones: (0, ½, 1) and (0, 0, 1).
+        let (once, twice) = ([0.0, 0.5, 1.0], [0.0, 0.0, 1.0]);
+        let point = |[i, j]: [usize; 2]| {
+            let (s, t) = (once[i], once[j]);
+            let square = twice[i] + twice[j] + 1.0 + 2.0 * (s * t - s - t);
+            DVec3::new(s + t - 1.0, square, s - t)
+        };
+        let net = (0..9).map(|k| point([k / 3, k % 3])).collect();
+        let knots = || KnotVector::bezier(2).unwrap();
+        let sheet = NurbsSurface::new(knots(), knots(), net, None).unwrap();
+        let (set, _) = PatchSet::new(&[sheet]).unwrap();
+        let patch = &set.pieces()[0].patch;
+        for away in [-1.0, 1.0] {
+            let along = away * DVec3::NEG_Z;
+            let ray = RayFrame::new(&Ray::new(away * DVec3::new(0.0, 0.0, 5.0), along).unwrap());
+            let problem = Problem {
+                patch,
+                rect: [[0.0, 1.0]; 2],
+                wanted: [[0.0, 1.0]; 2],
+                collapsed: None,
+                ray: &ray,
+                error: patch.error_bound(ray.magnitude),
+                z_range: [0.0, f64::INFINITY],
+            };
+            let (mut solver, mut found) = (ExactSolver::default(), Vec::new());
+            solver.solve(&problem, &mut found);
+            assert!(solver.boxes > u64::from(BUDGET), "{} boxes", solver.boxes);
+            let evidence: Vec<_> = found.iter().map(|found| found.evidence()).collect();
+            let open = evidence.iter().filter_map(|evidence| evidence.open_range());
+            let [from, to] = open.fold([f64::INFINITY, f64::NEG_INFINITY], |[from, to], [a, b]| {
+                [from.min(a), to.max(b)]
+            });
+            // The line runs from z = −1 to z = 1, that is, from 4 to 6 along the ray.
+            assert!(from <= 4.0 + 1e-6 && to >= 6.0 - 1e-6, "{evidence:?}");
+            assert!(from > 4.0 - 1e-6 && to < 6.0 + 1e-6, "{evidence:?}");
+        }
+    }
+
+    /// A net of `(x(s), t − ½, 0)` with the slope of `x` nearly constant near ½, and small: moved by
+    /// no more than the error, it falls there, so the surface it may have come from is met three
+    /// times, though the computed one is met once. That is no proof of one root.
+    #[test]
+    fn coefficients_that_may_be_off_prove_no_single_root() {
+        const DEGREE: usize = 24;
+        // Half of the error bound of points: see `DISCARDED`.
+        let error = 0.045;
+        // Differences times the degree, which add up to the degree: those in the middle are the
+        // smallest for which Krawczyk's test is made.
+        let is_outer = |i: usize| !(6..DEGREE - 6).contains(&i);
+        let (inner, outer) = (0.12, 1.88);
+        let (mut computed, mut x) = (vec![-0.5], -0.5);
+        for i in 0..DEGREE {
+            x += if is_outer(i) { outer } else { inner } / DEGREE as f64;
+            computed.push(x);
+        }
+        assert!((x - 0.5).abs() < 1e-14);
+        // Falling in the middle, and odd about it: so it has a root on either side of it, too.
+        let sign = |i: usize| (2.0 * i as f64 - DEGREE as f64).clamp(-1.0, 1.0);
+        let moved = (0..=DEGREE).map(|i| computed[i] - error * sign(i));
+        let mut casteljau: Vec<f64> = moved.collect();
+        let aside = 0.53;
+        while casteljau.len() > 1 {
+            casteljau = casteljau.windows(2).map(|w| w[0] + aside * (w[1] - w[0])).collect();
+        }
+        assert!(casteljau[0] < -1e-3, "{casteljau:?}");
+
+        let points = computed.iter().flat_map(|&x| [-0.5, 0.5].map(|y| DVec3::new(x, y, 0.0)));
+        let [u, v] = [DEGREE, 1].map(|degree| KnotVector::bezier(degree).unwrap());
+        let sheet = NurbsSurface::new(u, v, points.collect(), None).unwrap();
+        let (set, _) = PatchSet::new(&[sheet]).unwrap();
+        let patch = &set.pieces()[0].patch;
+        let ray = RayFrame::new(&Ray::new(DVec3::Z, DVec3::NEG_Z).unwrap());
+        let solved = |error: f64| {
+            let problem = Problem {
+                patch,
+                rect: [[0.0, 1.0]; 2],
+                wanted: [[0.0, 1.0]; 2],
+                collapsed: None,
+                ray: &ray,
+                error,
+                z_range: [0.0, f64::INFINITY],
+            };
+            let mut found = Vec::new();
+            ExactSolver::default().solve(&problem, &mut found);
+            found
+        };
+        let [one] = solved(1e-12)[..] else { panic!("one root") };
+        assert!(one.evidence().is_proof());
+        let found = solved(2.0 * error);
+        assert!(!found.is_empty() && !found.iter().any(|f| f.evidence().is_proof()), "{found:?}");
+    }
 
     /// Rays that leave a long, thin cylinder at right angles to its axis, nearly along its surface
     /// (within about 3°): one clip tells where along the axis they are, to the last digit. All of
