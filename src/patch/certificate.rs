@@ -264,7 +264,7 @@ mod tests {
 
     use crate::geometry::{KnotVector, NurbsSurface, RectSide};
     use crate::math::testing::same_cases;
-    use crate::patch::{Leaf, OrientedBox, PatchSet, ScaledFrame};
+    use crate::patch::{LEAF_SLACK, Leaf, OrientedBox, PatchSet, ScaledFrame};
 
     /// A random piece, and its leaves.
     fn leaves(bumps: &[(f64, f64)], rational: bool) -> (PatchSet, Vec<(Leaf, OrientedBox)>) {
@@ -393,6 +393,64 @@ mod tests {
         });
         let (asked, close, nearest) = (asked.get(), close.get(), nearest.get());
         assert!(asked > 1000 && close > 50 && nearest < 1.3, "{asked}, {close}: {nearest}");
+    }
+
+    /// A point within the error of a certified ray is well within the slack of the root, also of a
+    /// leaf that is hardly larger than errors. So where two points are farther apart, a ray through
+    /// one is not certified for an error that reaches the other: not even the flattest rays along
+    /// the chord that the leaf's turning allows.
+    #[test]
+    fn points_within_the_error_are_near_the_root() {
+        let place = || prop_oneof![-1.0..1.0f64, Just(-1.0), Just(1.0)];
+        // From one point to the other, in units of half the slack; and by how much rays are steeper
+        // than the flattest.
+        let apart = (1.0..1.2f64, -1.0..1.0f64, any::<bool>());
+        let ray = (place(), place(), apart, prop_oneof![Just(1.0), 1.0..10.0f64]);
+        let size = prop_oneof![Just(0.6), Just(0.1), Just(0.01)];
+        let bumps = prop::collection::vec((-1.0..1.0f64, 0.7..1.4f64), 16);
+        let rays = prop::collection::vec(ray, 16);
+        let (asked, nearest) = (Cell::new(0), Cell::new(f64::INFINITY));
+        let config = same_cases(128);
+        proptest!(config, |(size in size, bumps in bumps, rational in any::<bool>(), rays in rays)| {
+            let bumps: Vec<_> = bumps.iter().map(|&(bump, weight)| (size * bump, weight)).collect();
+            let (set, leaves) = leaves(&bumps, rational);
+            let patch = &set.pieces()[0].patch;
+            for (leaf, oriented) in &leaves {
+                let certificate = &leaf.certificate;
+                for &(x, y, (far, other, swapped), steeper) in &rays {
+                    let [s, t] = leaf.rect();
+                    let at = |x: f64, y: f64| {
+                        let inner = |[from, to]: [f64; 2], x| 0.5 * (from + to + x * (to - from));
+                        patch.point(DVec2::new(inner(s, x), inner(t, y)))
+                    };
+                    // Half sides are one, sides two.
+                    let moved = [far, far * other].map(|halves| LEAF_SLACK * halves);
+                    let [dx, dy] = if swapped { [moved[1], moved[0]] } else { moved };
+                    let (root, point) = (at(x, y), at(x + dx, y + dy));
+                    let (along, normal) = ((point - root).normalize(), oriented.unit_axes()[2]);
+                    let ray = |steep: f64| (along + steep * normal).normalize();
+                    let slopes = |d: DVec3| oriented.directions().map(|row| row.dot(d));
+                    let is_certified = |steep| certificate.holds(slopes(ray(steep)));
+                    let (mut low, mut high) = (0.0, 4.0);
+                    if !is_certified(high) {
+                        continue;
+                    }
+                    for _ in 0..30 {
+                        let middle = 0.5 * (low + high);
+                        if is_certified(middle) { high = middle } else { low = middle }
+                    }
+                    let d = ray(steeper * high);
+                    let error = (point - root).cross(d).length();
+                    let valid = certificate.steepness_if_valid(slopes(d), error);
+                    prop_assert!(valid.is_none(), "{error} at ({x}, {y}), along {d}");
+                    let needed = error * f64::from(certificate.steep_per_error());
+                    nearest.set(nearest.get().min(needed / certificate.steepness(slopes(d))));
+                    asked.set(asked.get() + 1);
+                }
+            }
+        });
+        let (asked, nearest) = (asked.get(), nearest.get());
+        assert!(asked > 1000 && nearest < 4.0, "{asked} rays, one to {nearest}");
     }
 
     /// Where a ray meets the continuation of a surface beyond its border, as far out as the
