@@ -461,27 +461,80 @@ mod tests {
             let [a, b] = patch.chords([[0.0, 1.0]; 2]);
             let axes = Axes::along([a + shears[0] * b, b + shears[1] * a]);
             let Some(bounds) = TangentBounds::new(&net, None, &axes) else { return Ok(()) };
-            let [a, b, _] = axes.axes;
-            let normal = a.cross(b).normalize();
-            let across = [a, b].map(|v| v.cross(normal).normalize());
             for (from, to) in pairs {
                 let chord = patch.point(to) - patch.point(from);
                 if chord.length() < 1e-6 {
                     continue;
                 }
-                let [mut reach, mut steep] = [0.0, normal.dot(chord)];
-                for k in 0..2 {
-                    let Interval { lo, hi } = bounds.turning[k];
-                    let x = chord.dot(across[k]);
-                    steep += 0.5 * (lo + hi) * x;
-                    reach += MARGIN * 0.5 * (hi - lo) * x.abs();
-                }
-                let steep = steep.abs();
+                let [steep, reach] = steep_and_allowed(&bounds, &axes, chord);
                 prop_assert!(steep <= reach, "{from} to {to}: {steep} over {reach}");
                 nearest.set(nearest.get().min(reach / steep));
                 asked.set(asked.get() + 1);
             }
         });
         (asked.get(), nearest.get())
+    }
+
+    /// How steep a chord is, and how steep a ray must be to be certified.
+    fn steep_and_allowed(bounds: &TangentBounds, axes: &Axes, chord: DVec3) -> [f64; 2] {
+        let [a, b, _] = axes.axes;
+        let normal = a.cross(b).normalize();
+        let across = [a, b].map(|v| v.cross(normal).normalize());
+        let [mut reach, mut steep] = [0.0, normal.dot(chord)];
+        for k in 0..2 {
+            let Interval { lo, hi } = bounds.turning[k];
+            let x = chord.dot(across[k]);
+            steep += 0.5 * (lo + hi) * x;
+            reach += MARGIN * 0.5 * (hi - lo) * x.abs();
+        }
+        [steep.abs(), reach]
+    }
+
+    /// The same for pieces that end in a pole, at any of their sides, in frames from which all of
+    /// their tangents lean to one side.
+    #[test]
+    fn chords_beside_poles_are_flat_in_leaning_frames() {
+        // From near the pole to the other end.
+        let place = || (0.0..=1.0f64, 0.1..=1.0f64);
+        let pairs = prop::collection::vec((place(), place()), 20);
+        let tilts = [-0.5..0.5f64, -0.5..0.5f64];
+        let asked = Cell::new([0; 4]);
+        proptest!(same_cases(256), |((degree, control, rational) in nets(), side in 0usize..4, pairs in pairs, tilts in tilts)| {
+            let at_side = RectSide::ALL[side];
+            let (fixed, end) = (at_side.fixed() as usize, at_side.end());
+            let columns = degree[1] + 1;
+            let pole = at_side.fixed().pair(end as f64, 0.5);
+            let pole = DVec3::new(pole[0], pole[1], 0.0);
+            let fan = control.iter().enumerate().map(|(k, c)| {
+                let at = [k / columns, k % columns];
+                if at[fixed] == end * degree[fixed] { (c.w * pole).extend(c.w) } else { *c }
+            });
+            let control: Vec<DVec4> = fan.collect();
+            let (patch, _) = TensorPatch::new(&Arc::new(ChartNet::single(degree, &control)), [0, 0]);
+            let noise = patch.noise();
+            let net = Net { degree, control: &control, noise, rational, spacing: [1e-16; 2] };
+            let [a, b] = patch.chords([[0.0, 1.0]; 2]);
+            let normal = a.cross(b).normalize();
+            let axes = Axes::along([a + tilts[0] * normal, b + tilts[1] * normal]);
+            let bounds = TangentBounds::new(&net, Some(at_side), &axes);
+            let Some(bounds) = bounds else { return Ok(()) };
+            for pair in pairs {
+                let at = |(along, away): (f64, f64)| {
+                    let away = if at_side.is_last() { 1.0 - away } else { away };
+                    patch.point(at_side.fixed().pair(away, along).into())
+                };
+                let chord = at(pair.1) - at(pair.0);
+                if chord.length() < 1e-3 {
+                    continue;
+                }
+                let [steep, reach] = steep_and_allowed(&bounds, &axes, chord);
+                prop_assert!(steep <= reach, "{pair:?} beside {at_side:?}: {steep} over {reach}");
+                let mut count = asked.get();
+                count[side] += 1;
+                asked.set(count);
+            }
+        });
+        let asked = asked.get();
+        assert!(asked.iter().all(|asked| *asked > 200), "{asked:?}");
     }
 }
