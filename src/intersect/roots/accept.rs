@@ -447,3 +447,21 @@ fn steep(error: f64, cosine: f64) -> f64 {
 /// Twice the distance from the surface, in errors, that a ray must reach between a pole and the
 /// next root for the two to be told apart; with two errors and less they were seen as one.
 const CLEAR_OF_POLE: f64 = 16.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A contact is somewhere between two ends, wherever its place was moved to, as to a border: none
+    /// of them is farther from the place than the error says.
+    #[test]
+    fn the_error_of_a_contact_reaches_both_of_its_ends() {
+        let [from, to] = [0.25, 1.0];
+        for z in [-3.0, 0.0, 0.25, 0.5, 0.75, 1.0, 2.0] {
+            for cosine in [0.0, 1e-9, 1.0] {
+                let reach = error_along(Evidence::Contact([from, to]), 1e-3, (z, cosine));
+                assert!(z - reach < from && z + reach > to, "{z}, {cosine}: {reach}");
+            }
+        }
+    }
+}
