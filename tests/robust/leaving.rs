@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3};
 use nurbray::geometry::construct::{self, Axis};
 use nurbray::geometry::{KnotVector, NurbsCurve, NurbsSurface, Surface, shapes};
-use nurbray::intersect::{Coherence, Hit, HitFlags, Kernel, Query, SurfaceBvh, Tracer};
+use nurbray::intersect::{Coherence, Hit, HitFlags, Kernel, Occlusion, Query, SurfaceBvh, Tracer};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
@@ -12,6 +12,7 @@ use crate::model::Model;
 use crate::models;
 use crate::random::Random;
 use crate::rays::{Class, Rays};
+use crate::ways::{all_ways, kernels};
 
 /// A ray that leaves a hit has this many times the promise as leeway around its origin before a
 /// root counts as another one: the origin is off by the promise, and so is the root.
@@ -464,6 +465,51 @@ fn no_chord_is_lost_however_small_the_sphere() {
             let free = any.iter().filter(|answer| !answer.occluded && !answer.doubtful);
             let lost = (lost.count(), free.count());
             assert_eq!(lost, (0, 0), "of 600, size 1e{power}, {kernel}");
+        }
+    }
+}
+
+/// Chords of a sheet that bends down, from a hit at one end away from the other one, along rays that
+/// reach back: they go on over the sheet and never meet it ahead, but they do behind.
+#[test]
+fn what_lies_behind_the_start_is_met_by_rays_that_reach_back() {
+    let knots = |degree| KnotVector::bezier(degree).unwrap();
+    for bend in [0.3, 0.03, 0.003] {
+        // z = −bend x², over the square with sides from −1 to 1.
+        let height = |x: f64| -bend * x * x;
+        let net = [(-1.0, -bend), (0.0, bend), (1.0, -bend)];
+        let net = net.map(|(x, z)| [-1.0, 1.0].map(|y| DVec3::new(x, y, z))).concat();
+        let sheet = NurbsSurface::new(knots(2), knots(1), net, None).unwrap();
+        let bvh = SurfaceBvh::build(&[sheet]).unwrap();
+        let mut scalar = bvh.tracer_with(Kernel::Scalar);
+        let mut random = Random::new(76);
+        let queries: Vec<Query> = (0..300)
+            .map(|_| {
+                let mut place = || {
+                    let [x, y] = [(); 2].map(|()| random.between(-0.95, 0.95));
+                    DVec3::new(x, y, height(x))
+                };
+                let (mut from, to) = (place(), place());
+                while (from.x - to.x).abs() < 0.05 {
+                    from = place();
+                }
+                let down = Ray::new(to + DVec3::Z, DVec3::NEG_Z).unwrap();
+                let seen = scalar.first_hit(&Query::primary(down)).hit.unwrap();
+                let along = seen.point - from;
+                let ray = Ray::with_range(seen.point, along, -3.0, f64::INFINITY).unwrap();
+                Query::leaving(ray, &seen)
+            })
+            .collect();
+        for kernel in kernels() {
+            let (answers, occlusions) = all_ways(&bvh, kernel, &queries);
+            for answer in answers.concat() {
+                let is_there = answer.hit.as_ref().is_some_and(|hit| (hit.t + 1.0).abs() < 1e-9);
+                assert!(is_there || answer.doubtful, "{kernel}, {bend}: {answer:?}");
+            }
+            let is_free = |hidden: &Occlusion| !hidden.occluded && !hidden.doubtful;
+            assert!(!occlusions.iter().flatten().any(is_free), "{kernel}, {bend}");
+            let doubtful = answers.iter().flatten().filter(|answer| answer.doubtful).count();
+            assert!(doubtful < 20, "{kernel}, {bend}: {doubtful} doubtful of 900");
         }
     }
 }
