@@ -114,6 +114,42 @@ fn all_hits_are_in_doubt_just_beyond_the_strip_beside_an_edge() {
     }
 }
 
+/// Far from the origin for its size, a square is cut in two: a ray that passes the edge within half
+/// of the error bound of a point meets it. All numbers are exact.
+#[test]
+fn edges_far_from_the_origin_are_met_as_far_off_as_points_may_be() {
+    for exponent in [20, 24, 28, 32, 36, 40] {
+        let far = 2f64.powi(exponent);
+        // The error bound is 24 · 2⁻⁵³ of the largest coordinate, which is hardly more than `far`.
+        let (unit, half_error) = (far * f64::EPSILON, 6);
+        let knots = || KnotVector::bezier(1).unwrap();
+        let net = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)];
+        let net = net.map(|(x, y)| DVec3::new(far + x, y, 0.0)).to_vec();
+        let square = NurbsSurface::new(knots(), knots(), net, None).unwrap();
+        let half = polygon(&[(-1.0, -1.0), (0.5, -1.0), (0.5, 2.0), (-1.0, 2.0)]);
+        let halves = [Kept::Odd, Kept::Even]
+            .map(|kept| trimmed(square.clone(), kept, std::slice::from_ref(&half)));
+        for half in halves {
+            let bvh = build(&[half.into()]);
+            let mut random = Random::new(12);
+            let queries: Vec<Query> = (0..400)
+                .map(|k| {
+                    let aside = f64::from(k % (2 * half_error + 1) - half_error) * unit;
+                    let origin = DVec3::new(far + aside, random.between(-0.9, 0.9), 1.0);
+                    Query::primary(Ray::new(origin, DVec3::NEG_Z).unwrap())
+                })
+                .collect();
+            for (who, hits) in asked(&bvh, &queries) {
+                for (query, hit) in queries.iter().zip(&hits) {
+                    let flags = hit.map(|hit| hit.map(|hit| hit.flags));
+                    let is_told = flags.is_none_or(|flags| flags == Some(HitFlags::TRIM_EDGE));
+                    assert!(is_told, "{who}, from 2^{exponent}: {query:?}, {flags:?}");
+                }
+            }
+        }
+    }
+}
+
 /// A ray in the plane of a sheet whose ends are cut off meets what is kept in between.
 #[test]
 fn a_ray_in_the_plane_of_what_is_kept_is_in_doubt_though_its_ends_are_cut_off() {
