@@ -13,6 +13,7 @@ use nurbray::intersect::{Answer, Coherence, HitFlags, Kernel, Occlusion, Query, 
 use nurbray::math::{Ray, rounding};
 
 mod answers;
+mod coarse;
 mod company;
 mod models;
 #[path = "../common/patches.rs"]
