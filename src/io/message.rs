@@ -14,7 +14,7 @@ const KINDS: [(&str, &str); 5] = [
 
 /// Keys and names that stand in the wrong table, are in the wrong unit, or have another name here:
 /// the key, a key that this table does have, and what to write instead.
-const ELSEWHERE: [(&str, &str, &str); 40] = [
+const ELSEWHERE: [(&str, &str, &str); 42] = [
     ("radians", "degrees", "degrees = …"),
     ("fov", "perspective", "perspective = { fov = … }"),
     ("height", "orthographic", "orthographic = { height = … }"),
@@ -47,6 +47,8 @@ const ELSEWHERE: [(&str, &str, &str); 40] = [
     ("swap_uv", "knots_u", "it under [[object]], above the tables of its shape"),
     ("swap_uv", "profile", "it under [[object]], above the tables of its shape"),
     ("swap_uv", "radius", "it under [[object]], above the tables of its shape"),
+    ("swap_uv", "geometry", "it under [[object]], above the tables of its shape"),
+    ("swap_uv", "coefficients", "it under [[object]], above the tables of its shape"),
     ("transform", "knots_u", "it under [[object]], above the tables of its shape"),
     ("material", "knots_u", "it under [[object]], above the tables of its shape"),
     ("transform", "profile", "it under [[object]], above the tables of its shape"),

@@ -45,7 +45,10 @@ impl PowerShares {
             let mut sum = Coordinates::default();
             for (&share, coefficient) in shares.iter().zip(coefficients) {
                 for (sum, &coordinate) in sum.iter_mut().zip(coefficient) {
-                    *sum = sum.plus(share.times(coordinate));
+                    // Of zero there is no share, not even an infinite one.
+                    if coordinate != Twofold::default() {
+                        *sum = sum.plus(share.times(coordinate));
+                    }
                 }
             }
             sum
@@ -215,6 +218,11 @@ mod tests {
             failed(&line, &[1.0], domain);
         }
         assert!(failed(&[DVec3::X, f64::NAN * DVec3::X], &[1.0], [0.0, 1.0]).contains("NaN"));
+        // Powers of the domain that leave the range spoil only what is multiplied by them.
+        let mut padded = [DVec3::ZERO; 7];
+        padded[1] = 1e-60 * DVec3::X;
+        let long = NurbsCurve::from_powers(&padded, &[1.0], [0.0, 1e60]).unwrap();
+        assert!(long.point_at(5e59).distance(DVec3::new(0.5, 0.0, 0.0)) < 1e-15);
         assert!(failed(&[DVec3::X, 1e80 * DVec3::X], &[1.0], [0.0, 1.0]).contains("1e80"));
     }
 }

@@ -412,7 +412,14 @@ mod tests {
     use crate::geometry::{KnotVector, NurbsCurve, NurbsSurface};
     use crate::intersect::{Query, SurfaceBvh};
     use crate::math::{Ray, RayFrame};
-    use crate::patch::PatchSet;
+    use crate::patch::{PatchSet, TensorPatch};
+
+    /// All of a patch, none of whose sides is a point, against all of a ray ahead.
+    fn whole<'a>(patch: &'a TensorPatch, ray: &'a RayFrame, error: f64) -> Problem<'a> {
+        let (rect, wanted) = ([[0.0, 1.0]; 2], [[0.0, 1.0]; 2]);
+        let z_range = [0.0, f64::INFINITY];
+        Problem { patch, rect, wanted, collapsed: None, ray, error, z_range }
+    }
 
     /// The parabolic cylinder `(φ, φ², s − t)` with `φ = s + t − 1`, and the line on it where `φ` is
     /// zero, from corner to corner of the parameters: it would take millions of boxes along the
@@ -434,15 +441,7 @@ mod tests {
         for away in [-1.0, 1.0] {
             let along = away * DVec3::NEG_Z;
             let ray = RayFrame::new(&Ray::new(away * DVec3::new(0.0, 0.0, 5.0), along).unwrap());
-            let problem = Problem {
-                patch,
-                rect: [[0.0, 1.0]; 2],
-                wanted: [[0.0, 1.0]; 2],
-                collapsed: None,
-                ray: &ray,
-                error: patch.error_bound(ray.magnitude),
-                z_range: [0.0, f64::INFINITY],
-            };
+            let problem = whole(patch, &ray, patch.error_bound(ray.magnitude));
             let (mut solver, mut found) = (ExactSolver::default(), Vec::new());
             solver.solve(&problem, &mut found);
             assert!(solver.boxes > u64::from(BUDGET), "{} boxes", solver.boxes);
@@ -492,17 +491,8 @@ mod tests {
         let patch = &set.pieces()[0].patch;
         let ray = RayFrame::new(&Ray::new(DVec3::Z, DVec3::NEG_Z).unwrap());
         let solved = |error: f64| {
-            let problem = Problem {
-                patch,
-                rect: [[0.0, 1.0]; 2],
-                wanted: [[0.0, 1.0]; 2],
-                collapsed: None,
-                ray: &ray,
-                error,
-                z_range: [0.0, f64::INFINITY],
-            };
             let mut found = Vec::new();
-            ExactSolver::default().solve(&problem, &mut found);
+            ExactSolver::default().solve(&whole(patch, &ray, error), &mut found);
             found
         };
         let [one] = solved(1e-12)[..] else { panic!("one root") };

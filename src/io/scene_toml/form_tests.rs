@@ -167,6 +167,14 @@ fn powers_that_make_no_surface_are_told_where_they_are_written() {
              be positive, or all negative; they may be so on a smaller domain",
         ),
         (
+            format!("{flat}\ndenominator = [[1e300]]"),
+            "4:15: surface \"power\": the weight of control point (0, 0) is 1e300",
+        ),
+        (
+            format!("{flat}\nswap_uv = true"),
+            "4:1: unknown key \"swap_uv\"; write it under [[object]], above the tables of its shape",
+        ),
+        (
             "coefficients = [[[0, 0], [0, 1]]]".into(),
             "3:16: surface \"power\", direction u: degree 0: degrees from 1 to 32 are supported",
         ),
@@ -193,6 +201,14 @@ fn powers_that_make_no_surface_are_told_where_they_are_written() {
             format!("{line},\ndenominator = [1, -3, 3]"),
             "6:15: surface \"extrusion\": profile: the denominator's Bézier coefficient 1 is -0.5: \
              all must be positive, or all negative; they may be so on a shorter domain",
+        ),
+        (
+            format!("{line},\ndenominator = [1e300]"),
+            "6:15: surface \"extrusion\": profile: the weight of control point 0 is 1e300",
+        ),
+        (
+            format!("{line},\ndenominator = {:?}", [1.0; 34]),
+            "6:15: surface \"extrusion\": profile: degree 33: degrees from 1 to 32 are supported",
         ),
         (
             "coefficients = [[0, 0]]".into(),

@@ -176,9 +176,9 @@ impl Workshop<'_> {
     /// that are at fault.
     fn patch(&self, made: Result<NurbsSurface, SurfaceError>) -> Result<Made, SceneError> {
         made.map(Made::from).map_err(|error| {
-            let keys = keys_of_patch(&error);
-            let place = self.written.iter().find(|one| keys.contains(&one.value));
-            let place = place.map_or(self.place, |number| &number.place).clone();
+            let written = |key: &&str| self.written.iter().find(|number| number.value == *key);
+            let number = keys_of_patch(&error).iter().find_map(written);
+            let place = number.map_or(self.place, |number| &number.place).clone();
             SceneError::new(place, SceneFault::Surface { surface: self.surface.to_owned(), error })
         })
     }
@@ -222,10 +222,12 @@ fn key_of(error: &ConstructError) -> Option<&'static str> {
     })
 }
 
-/// The keys that the numbers of a patch that are at fault may have.
+/// The keys that the numbers of a patch that are at fault may have, the likeliest first.
 fn keys_of_patch(error: &SurfaceError) -> &'static [&'static str] {
     match error {
-        SurfaceError::Denominator { .. } => &["denominator"],
+        SurfaceError::Denominator { .. } | SurfaceError::Weight { .. } => {
+            &["denominator", "coefficients"]
+        }
         SurfaceError::Knots { error: KnotError::Degree { .. }, .. } => &["coefficients"],
         SurfaceError::Knots { .. } | SurfaceError::Domain { .. } => &["domain"],
         _ => &["geometry", "coefficients"],

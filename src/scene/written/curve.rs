@@ -217,17 +217,23 @@ impl CurveSpec {
                 | CurveError::BasisWeight { .. }
                 | CurveError::NoWeight { .. },
             ) => &weights.place,
-            (CurveKind::Power { denominator, .. }, CurveError::Denominator { .. }) => {
-                &denominator.place
-            }
+            (
+                CurveKind::Power { denominator, .. },
+                CurveError::Denominator { .. } | CurveError::Weight { .. },
+            ) => &denominator.place,
+            (
+                CurveKind::Power { coefficients, denominator, .. },
+                CurveError::Knots(KnotError::Degree { .. }),
+            ) if denominator.value.len() > coefficients.value.len() => &denominator.place,
             (
                 CurveKind::Power { coefficients, .. },
                 CurveError::Knots(KnotError::Degree { .. }) | CurveError::Point { .. },
             ) => &coefficients.place,
             (CurveKind::Power { domain, .. }, CurveError::Knots(_)) => &domain.place,
-            (CurveKind::MatrixForm { geometry, .. }, CurveError::GeometryCount { .. }) => {
-                &geometry.place
-            }
+            (
+                CurveKind::MatrixForm { geometry, .. },
+                CurveError::GeometryCount { .. } | CurveError::Point { .. },
+            ) => &geometry.place,
             _ => &self.place,
         }
     }
